@@ -135,19 +135,22 @@ def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
         T_cam_marker = rigid(scene["R"], scene["t"])
         corners_px = _corners_px(camera, T_cam_marker, marker)
         rms_px = reprojection_rms_px(camera, T_cam_marker, corners_px, marker["side_m"])
+        lamp_m, lamp_radius_m, foot_m = lamp_and_foot(scene)
         yield Case(
-            scene["id"],
-            folder.resolve().name,
-            scene.get("category", "scene"),
-            (scene.get("caster") or {}).get("type"),
-            folder / scene["image"],
-            camera,
-            MarkerPose(T_cam_marker, corners_px, marker["side_m"], rms_px, None),
-            to_lights_marker(scene),
-            {name: folder / file for name, file in scene.get("masks", {}).items()},
-            {kind: str(tags[kind]) for kind in KINDS if kind in tags},
-            marker_spec_of(marker),
-            *lamp_and_foot(scene),
+            id=scene["id"],
+            folder=folder.resolve().name,
+            category=scene.get("category", "scene"),
+            caster=(scene.get("caster") or {}).get("type"),
+            image_path=folder / scene["image"],
+            camera=camera,
+            marker=MarkerPose(T_cam_marker, corners_px, marker["side_m"], rms_px, None),
+            to_lights_marker=to_lights_marker(scene),
+            mask_paths={name: folder / file for name, file in scene.get("masks", {}).items()},
+            tags={kind: str(tags[kind]) for kind in KINDS if kind in tags},
+            marker_spec=marker_spec_of(marker),
+            lamp_m=lamp_m,
+            lamp_radius_m=lamp_radius_m,
+            foot_m=foot_m,
         )
 
 
@@ -163,7 +166,15 @@ def _photos(folder: Path, content: dict[str, Any]) -> Iterator[Case]:
         light = photo.get("to_light_marker")
         lights = None if light is None else np.array([light], dtype=np.float64)
         yield Case(
-            Path(file).stem, folder.resolve().name, PHOTO_CATEGORY, None, folder / file, camera, marker, lights, {}
+            id=Path(file).stem,
+            folder=folder.resolve().name,
+            category=PHOTO_CATEGORY,
+            caster=None,
+            image_path=folder / file,
+            camera=camera,
+            marker=marker,
+            to_lights_marker=lights,
+            mask_paths={},
         )
 
 

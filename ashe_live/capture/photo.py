@@ -120,11 +120,6 @@ def _size_bytes(file: BinaryIO) -> int:
     return os.fstat(file.fileno()).st_size
 
 
-def _is_preview(picture: PIL.Image.Image) -> bool:
-    """Whether it is what raw files (DNG, NEF, ARW) begin with: TIFF 6.0, NewSubfileType, bit 0."""
-    return isinstance(picture, TiffImageFile) and bool(int(picture.tag_v2.get(NEW_SUBFILE_TYPE, 0)) & 1)
-
-
 def _read(path: Path) -> _Photo:
     """Pillow and not OpenCV decodes, as it refuses a truncated picture and OpenCV greys the rest."""
     try:
@@ -172,6 +167,11 @@ def _decoded(path: Path, picture: PIL.Image.Image) -> _Photo:
     is_animation = picture.format in MAY_MOVE and getattr(picture, "n_frames", 1) > 1
     image_bgr = np.asarray(cv2.cvtColor(_rgb_8bit(_upright(picture)), cv2.COLOR_RGB2BGR), dtype=np.uint8)
     return _Photo(image_bgr, focal_px, is_animation)
+
+
+def _is_preview(picture: PIL.Image.Image) -> bool:
+    """Whether it is what raw files (DNG, NEF, ARW) begin with: TIFF 6.0, NewSubfileType, bit 0."""
+    return isinstance(picture, TiffImageFile) and bool(int(picture.tag_v2.get(NEW_SUBFILE_TYPE, 0)) & 1)
 
 
 def _upright(picture: PIL.Image.Image) -> PIL.Image.Image:

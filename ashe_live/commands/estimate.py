@@ -39,17 +39,7 @@ WORST_FIRST = (
 
 
 def run(options: argparse.Namespace) -> int:
-    if options.debug is not None:
-        check_folder(options.debug)
-    _check_frames(options)
-    named = named_files(options.files)
-    if options.sheet is not None and options.sheet.suffix.lower() not in PAGES:
-        raise UserError(f"the sheet is a page, and {options.sheet} is not named as one", "let its name end in .html")
-    makes_folder_of_sheet = _is_in_folder_to_be(options.sheet, options.debug)
-    sheets = [] if makes_folder_of_sheet else [options.sheet]
-    caster = None if options.caster is None else Path(options.caster)  # it may be a model's file
-    inputs = [*named, options.empty, options.camera_file, options.debug, caster, *marker_files(options)]
-    check_outputs(sheets, inputs, options.overwrite)
+    named = _checked_files(options)
     estimator = make_estimator(options.estimator, light_preset(options))
     camera_for = camera_chooser(options)
     empty = _empty_table(options, estimator.name)
@@ -64,10 +54,25 @@ def run(options: argparse.Namespace) -> int:
                     break
                 end_if_asked()
         finally:  # a request to end in the middle of a long batch must not lose the sheet
-            told.tell_what_is_left(options.debug if makes_folder_of_sheet else None)
+            told.tell_what_is_left()
     if files.without_steps:
         told.statuses.add(ExitStatus.WRONG_USE)
     return next(status for status in WORST_FIRST if status in told.statuses)
+
+
+def _checked_files(options: argparse.Namespace) -> list[Path]:
+    """The files to estimate. Raises UserError, before any is opened, where what is asked for cannot be written."""
+    if options.debug is not None:
+        check_folder(options.debug)
+    _check_frames(options)
+    named = named_files(options.files)
+    if options.sheet is not None and options.sheet.suffix.lower() not in PAGES:
+        raise UserError(f"the sheet is a page, and {options.sheet} is not named as one", "let its name end in .html")
+    sheets = [] if _is_in_folder_to_be(options.sheet, options.debug) else [options.sheet]
+    caster = None if options.caster is None else Path(options.caster)  # it may be a model's file
+    inputs = [*named, options.empty, options.camera_file, options.debug, caster, *marker_files(options)]
+    check_outputs(sheets, inputs, options.overwrite)
+    return named
 
 
 class _ToldAnswers:
@@ -76,6 +81,8 @@ class _ToldAnswers:
     def __init__(self, options: argparse.Namespace) -> None:
         self._options = options
         self._is_marker_named = not options.takes_any_marker
+        # For the sheet, if no steps have been written into it by then.
+        self._folder_to_make = options.debug if _is_in_folder_to_be(options.sheet, options.debug) else None
         self._page = LightPage()
         self._without_marker: list[str] = []  # of the files that no one named
         self.statuses: set[ExitStatus] = set()
@@ -95,15 +102,15 @@ class _ToldAnswers:
             self._page.add(_named(record), _answer_text(record, self._is_marker_named), picture)
         return is_read or options.sheet is not None or options.debug is not None
 
-    def tell_what_is_left(self, folder_to_make: Path | None) -> None:
-        """Names the files without a marker, and writes the sheet, in a folder that is made for it if one is given."""
+    def tell_what_is_left(self) -> None:
+        """Names the files without a marker, and writes the sheet."""
         options = self._options
         if self._without_marker:
             not_found = not_found_text(options.marker, (), self._is_marker_named)
             print_answer(f"{listed(self._without_marker, NAMED)}: {not_found}")
         if self._page.has_figures:
-            if folder_to_make is not None:
-                make_folder(folder_to_make)
+            if self._folder_to_make is not None:
+                make_folder(self._folder_to_make)
             print_message(f"sheet in {self._page.write(options.sheet, options.overwrite)}")
 
 

@@ -3,7 +3,7 @@
 import itertools
 import math
 from collections.abc import Callable, Collection, Iterable, Sequence
-from functools import wraps
+from functools import cache, wraps
 from typing import Any, TypeVar
 
 import numpy as np
@@ -130,6 +130,16 @@ def cross_2d(a: Float | Float32, b: Float | Float32) -> Float:
 def cross_3d(a: Float, b: Float) -> Float:
     """(3,) the cross product of two vectors (3,), of which NumPy's own takes ten times as long."""
     return np.array((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
+
+
+@cache
+def unit_circle(count: int, start: float = 0.0) -> Float:
+    """(count, 2) points evenly around the unit circle, from x towards y, the first by `start` of a step from x.
+
+    Shared by all who ask for it, and so read-only.
+    """
+    angles = (np.arange(count) + start) * (2 * math.pi / count)
+    return frozen_view(np.column_stack([np.cos(angles), np.sin(angles)]))
 
 
 def box_corners(bounds: Float) -> Float:

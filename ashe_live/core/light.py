@@ -17,6 +17,7 @@ from ashe_live.core.types import TrackedFrame
 
 # 1/m: what is farther away than that counts as a sun, as the squares of smaller numbers are 0.
 LEAST_INVERSE_DISTANCE = 1e-100
+LEAST_REST = 1e-6  # share of all other light by which a lamp's is divided
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,6 +103,12 @@ class Light:
         if self.intensity_rgb_ratio is not None:
             return np.asarray(1 / (1 + np.maximum(self.intensity_rgb_ratio, 0.0)))
         return self.shadow_rgb_ratio
+
+    def with_ground_share(self, ground_share: Float) -> Self:
+        """The light that gives `ground_share` (3,) of all light on level ground; a lamp with an intensity, by that."""
+        if self.intensity_rgb_ratio is None:
+            return replace(self, shadow_rgb_ratio=1 - ground_share)
+        return replace(self, intensity_rgb_ratio=ground_share / np.maximum(1 - ground_share, LEAST_REST))
 
     def with_angular_size(self, angular_size_rad: float | None) -> Self:
         """The light with this angular diameter, seen from the marker's centre; a lamp's radius is made to fit."""

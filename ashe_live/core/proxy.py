@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core import arguments
-from ashe_live.core.arrays import Float, frozen_floats, frozen_view, set_frozen
+from ashe_live.core.arrays import Float, frozen_floats, frozen_view, set_frozen, unit_circle
 
 TILTS = np.linspace(-math.pi / 2, math.pi / 2, 9)  # from a spheroid's lowest point to its highest
 
@@ -58,7 +58,7 @@ class Proxy:
         """
         if not self.spheroids_marker[:, 3:].any():
             return self.spheroids_marker[:, :3]
-        circle = _circle(around)
+        circle = unit_circle(around)
         clouds = []
         for x, y, z, radius, half in self.spheroids_marker:
             tilts = TILTS if half else TILTS[4:5]
@@ -105,13 +105,6 @@ class PoseShapeErrors:
             pose=frozen_floats(self.pose, (6, causes), "pose"),
             points=frozen_floats(self.points, (-1, 3, causes), "points"),
         )
-
-
-@cache
-def _circle(around: int) -> Float:
-    """(around, 2) points of the unit circle."""
-    angles = np.arange(around) * (2 * math.pi / around)
-    return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 @cache

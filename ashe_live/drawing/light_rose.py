@@ -7,7 +7,7 @@ import numpy as np
 from PIL import Image as PillowImage
 from PIL import ImageDraw, ImageFont
 
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Float, Image, unit_circle
 from ashe_live.core.light import Light
 from ashe_live.core.transforms import (
     ELLIPSE_68,
@@ -70,8 +70,7 @@ def _ellipse(light: Light, squared_sigmas: float) -> list[Float]:
     """ELLIPSE_POINTS directions (3,) at a squared Mahalanobis distance from the light's direction."""
     assert light.covariance_rad2 is not None
     variances, axes = np.linalg.eigh(light.covariance_rad2)
-    angles = np.arange(ELLIPSE_POINTS) * (2 * math.pi / ELLIPSE_POINTS)
-    offsets = np.column_stack([np.cos(angles), np.sin(angles)]) * np.sqrt(np.maximum(variances, 0) * squared_sigmas)
+    offsets = unit_circle(ELLIPSE_POINTS) * np.sqrt(np.maximum(variances, 0) * squared_sigmas)
     directions = []
     for offset in offsets @ axes.T:
         # At most a right angle, so that the ellipse does not wrap around the sphere.

@@ -1,10 +1,9 @@
 """Shapes made by formula: what the overlays are built of, and what tests measure."""
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ashe_live.core.arrays import unit_circle
 from ashe_live.models.assembly.shading_normals import corner_normals
 from ashe_live.models.material import WHITE, LinearRGBA, Material
 from ashe_live.models.mesh import Mesh
@@ -23,8 +22,7 @@ def revolved(profile: ArrayLike, segments: int = 32, colour: LinearRGBA = WHITE)
     The profile runs so that its left side is inside: upwards for an outer wall.
     """
     rings = np.asarray(profile, dtype=np.float64)
-    angles = np.arange(segments) * (2 * math.pi / segments)
-    around = np.column_stack([np.cos(angles), np.sin(angles)])
+    around = unit_circle(segments)
     vertices = np.concatenate([np.column_stack([radius * around, np.full(segments, z)]) for radius, z in rings])
     triangles = []
     for ring in range(len(rings) - 1):

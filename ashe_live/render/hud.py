@@ -184,11 +184,6 @@ def bleed_px(font_px: float) -> int:
     return math.ceil(0.5 * font_px)
 
 
-def _column_widths(rows: Rows, font_px: float) -> list[int]:
-    columns = max(len(row) for row in rows)
-    return [max(text_width(row[at], font_px) for row in rows if at < len(row)) for at in range(columns)]
-
-
 @dataclass(frozen=True, slots=True)
 class RowLayout:
     """Where rows of text stand on their plate, in pixels."""
@@ -205,6 +200,11 @@ def row_layout(rows: Rows, font_px: float) -> RowLayout:
     padding, column_gap, line = round(0.6 * font_px), round(1.4 * font_px), round(1.35 * font_px)
     width = sum(widths) + column_gap * (len(widths) - 1) + 2 * padding
     return RowLayout((width, line * len(rows) + 2 * padding), padding, line, tuple(widths), column_gap)
+
+
+def _column_widths(rows: Rows, font_px: float) -> list[int]:
+    columns = max(len(row) for row in rows)
+    return [max(text_width(row[at], font_px) for row in rows if at < len(row)) for at in range(columns)]
 
 
 def _extent(rows: Rows, font_px: float) -> Size:

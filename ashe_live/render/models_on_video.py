@@ -7,6 +7,7 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.compositing.composite import Composite, Footage
@@ -90,7 +91,7 @@ class ModelsOnVideo:
         tracked = scene.tracked
         assert tracked is not None
         lighting = self.photometry.lighting(scene.illumination)
-        cover = self._followed(models, scene, lighting, waits)
+        cover = self._prepared(models, scene, lighting, waits)
         viewport = letterbox(tracked.frame.size, surface.size)
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
         framed = partial(framing, camera, tracked.pose.T_cam_marker, viewport=viewport)
@@ -101,26 +102,29 @@ class ModelsOnVideo:
         look = self.photometry.look(tracked, scene.lit_in_video or scene.illumination)
         white_rgb = self.photometry.white_seen_in(scene.illumination) or look.white_rgb
         self._environment.show(scene.illumination, white_rgb, _covered(cover))
-        straight = self._video
-        if bends and self.shadows.shadows_meet:
-            straight = self._straight_video
-            straight.show(tracked, viewport, camera)
         inputs = ShadingInputs(frame, lighting, self.looked_up, look.white_rgb)
+        straight = self._straight(tracked, viewport, camera) if bends and self.shadows.shadows_meet else self._video
         ground = self._ground(scene, straight, cover, viewport)
         content = LayerContent(models, inputs, scene.shows_model, scene.casts_shadow, signs, ground)
-        seen = None
-        if cover is not None and frame.eye_marker[2] > 0:  # from below, the plane is not drawn
-            seen = SeenCover(cover, frame.ground_from_pixel)
-        relief, lens = self.photometry.relief(scene.illumination), self._lens if bends else None
-        meet = self.shadows.shadows_meet
-        onto = Footage(viewport, self._video, tracked, look, relief, seen, lens, scene.is_split, meet)
-        with surface.drawing(grown(frame.region, 2 * onto.blurs.farthest + 1, surface.size)):
+        is_from_above = frame.eye_marker[2] > 0  # from below, the plane is not drawn
+        footage = Footage(
+            viewport,
+            self._video,
+            tracked,
+            look,
+            relief=self.photometry.relief(scene.illumination),
+            cover=SeenCover(cover, frame.ground_from_pixel) if cover is not None and is_from_above else None,
+            lens=self._lens if bends else None,
+            is_split=scene.is_split,
+            shadows_meet=self.shadows.shadows_meet,
+        )
+        with surface.drawing(grown(frame.region, 2 * footage.blurs.farthest + 1, surface.size)):
             self.layers.draw(content, with_models=surface.samples == 0)
         if surface.samples:
             self._sample_edges(surface, content, framed)
         elif scene.shows_model:
             self._smooth_edges(surface, models, framed, viewport)
-        self._composite.draw(surface, frame.region, onto, scene.is_cut_out)
+        self._composite.draw(surface, frame.region, footage, scene.is_cut_out)
 
     def _smooth_edges(self, surface: Surface, models: StandingGroup, framed: Framed, viewport: Rectangle) -> None:
         """Smooths outlines where one sample a pixel was drawn: the models', and the real object's where shadows end."""
@@ -157,8 +161,8 @@ class ModelsOnVideo:
             with surface.drawing(within, several_samples=True, over_drawn=real is None):
                 self.layers.draw(content, with_ground=real is not None)
 
-    def _followed(self, models: StandingGroup, scene: Scene, lighting: Lighting, waits: bool) -> MarkerCover | None:
-        """Readies shadows, the cover and the ground that catches them; returns what covers the marker's sheet."""
+    def _prepared(self, models: StandingGroup, scene: Scene, lighting: Lighting, waits: bool) -> MarkerCover | None:
+        """Prepares shadows, the cover and the ground that catches them; returns what covers the marker's sheet."""
         casters = models.casters(lighting, self.layers.real is not None)
         self.shadows.render(casters, lighting, self.layers.real)
         self._ground_shadows.render(self.shadows, lighting)
@@ -166,6 +170,11 @@ class ModelsOnVideo:
         self.layers.catcher.fit(models, lighting, self.shadows, _covered(cover))
         self.layers.catcher.follow(models, lighting, self._ground_shadows)
         return cover
+
+    def _straight(self, tracked: TrackedFrame, viewport: Rectangle, camera: Camera) -> Video:
+        """The video as this pinhole camera would show it."""
+        self._straight_video.show(tracked, viewport, camera)
+        return self._straight_video
 
     def _ground(
         self, scene: Scene, straight: Video, cover: MarkerCover | None, viewport: Rectangle

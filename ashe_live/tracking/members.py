@@ -82,6 +82,12 @@ class MarkerMembers:
         corners = zip(numbers, ideal.reshape(-1, 4, 2), strict=True)
         return {number: source_from_ideal(camera, each) for number, each in corners if np.isfinite(each).all()}
 
+    def seen_px(self, squares: dict[int, FittedSquare], pose: MarkerPose, camera: Camera) -> dict[int, Float]:
+        """By member, the corners (4, 2), picture pixels, of a frame's squares; of a single marker those of its pose."""
+        if len(self.all) == 1:
+            return {0: pose.corners_px}
+        return {number: source_from_ideal(camera, square.corners_px) for number, square in squares.items()}
+
     def in_order_of_worth(self, numbers: list[int]) -> list[int]:
         """The same numbers, but the marker beside a cube first, which is measured in addition to the faces."""
         return sorted(numbers, key=lambda number: number != BESIDE_NUMBER) if self.beside is not None else numbers

@@ -7,6 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.types import Frame, MarkerPose
+from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.search import NEAR_PX
 
 
@@ -47,11 +48,11 @@ def remembered(
     frame: Frame,
     pose: MarkerPose,
     corners_px: dict[int, Float],
-    aligned_sigmas: dict[int, float],
+    squares: dict[int, FittedSquare],
     bridged: int,
     last: Memory | None,
 ) -> Memory:
-    """The memory of `frame`, in which members were seen at `corners_px` (4, 2), and of the `last` one.
+    """The memory of `frame`, in which members were seen at `corners_px` (4, 2) as `squares`, and of the `last` one.
 
     `bridged`: how many frames in a row have been bridged, with this one.
     """
@@ -62,7 +63,17 @@ def remembered(
         for number in corners_px.keys() & last.corners_px.keys():
             velocities[number] = (corners_px[number] - last.corners_px[number]) / elapsed_s
         is_predictable = _was_expected(velocities, last, elapsed_s)
-    return Memory(frame.time_s, frame.image_bgr, pose, corners_px, velocities, aligned_sigmas, bridged, is_predictable)
+    sigmas = {number: square.aligned_sigma for number, square in squares.items()}
+    return Memory(
+        time_s=frame.time_s,
+        image_bgr=frame.image_bgr,
+        pose=pose,
+        corners_px=corners_px,
+        velocities_px_s=velocities,
+        aligned_sigmas=sigmas,
+        bridged=bridged,
+        is_predictable=is_predictable,
+    )
 
 
 def _was_expected(velocities: dict[int, Float], last: Memory, elapsed_s: float) -> bool:

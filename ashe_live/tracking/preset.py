@@ -14,6 +14,6 @@ class TrackingPreset:
     filter_gate: float = 3.0  # standard deviations of the pose's noise beyond which a difference is motion
 
 
-FAST = TrackingPreset(640, 16, False, filter_rest_s=0.5)
-BALANCED = TrackingPreset(960, 32, True)
-ACCURATE = TrackingPreset(1920, 64, True)
+FAST = TrackingPreset(detection_width_px=640, edge_samples=16, refines_pose=False, filter_rest_s=0.5)
+BALANCED = TrackingPreset(detection_width_px=960, edge_samples=32, refines_pose=True)
+ACCURATE = TrackingPreset(detection_width_px=1920, edge_samples=64, refines_pose=True)

@@ -127,7 +127,8 @@ def nearby(marker: Marker, image_bgr: Image, last_px: Float) -> list[Float]:
     extent = float(np.ptp(last_px, axis=0).max())
     scale = min(LARGEST_PX / extent, 1.0) if extent > SMALLEST_PX else min(SMALLEST_PX / extent, MAX_ENLARGEMENT)
     grey = _grey(image_bgr[top:bottom, left:right])
-    (found,) = _found([marker], grey, scale, SMALLEST_NEAR * float(side_lengths_px(last_px).min()), True)
+    min_side_px = SMALLEST_NEAR * float(side_lengths_px(last_px).min())
+    (found,) = _found([marker], grey, scale, min_side_px, thorough=True)
     return [corners + np.array((left, top)) for corners in found]
 
 
@@ -138,7 +139,8 @@ def anywhere(markers: Sequence[Marker], image_bgr: Image, width_px: int, thoroug
     """
     width = image_bgr.shape[1]
     scale = min(1.0, (THOROUGH_RATIO if thorough else 1) * width_px / width)
-    return _found(markers, _grey(image_bgr), scale, (THOROUGH_SIDE_PX if thorough else MIN_SIDE_PX) / scale, thorough)
+    min_side_px = (THOROUGH_SIDE_PX if thorough else MIN_SIDE_PX) / scale
+    return _found(markers, _grey(image_bgr), scale, min_side_px, thorough)
 
 
 def refined(marker: Marker, image_bgr: Image, camera: Camera, coarse_px: Float, samples: int) -> FittedSquare | None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Image, Mask, frozen_floats
+from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, unit_circle
 from ashe_live.core.camera import Camera, scaled_pixels
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import camera_centre, inverse_rigid, project, raycast_to_plane, rigid
@@ -68,16 +68,16 @@ class StillFrame:
         points = cv2.goodFeaturesToTrack(fine, MOST_POINTS, LEAST_QUALITY, APART_PX, mask=_around(marker, scaled))
         scale = scaled.size[0] / tracked.frame.size[0]
         return StillFrame(
-            fine,
-            np.zeros((0, 2)) if points is None else np.asarray(points[:, 0], np.float64),
-            scaled_pixels(marker.corners_px, scale),
-            marker.T_cam_marker,
-            T_room_marker,
-            tracked.camera,
-            scaled,
-            scale,
-            marker.side_m,
-            tracked.frame.time_s,
+            fine=fine,
+            points_px=np.zeros((0, 2)) if points is None else np.asarray(points[:, 0], np.float64),
+            corners_px=scaled_pixels(marker.corners_px, scale),
+            T_cam_marker=marker.T_cam_marker,
+            T_room_marker=T_room_marker,
+            camera=tracked.camera,
+            scaled=scaled,
+            scale=scale,
+            side_m=marker.side_m,
+            time_s=tracked.frame.time_s,
         )
 
     def motion(self, tracked: TrackedFrame) -> Float | None:
@@ -188,8 +188,7 @@ def _scaled(tracked: TrackedFrame) -> tuple[Image, Camera]:
 
 def _around(marker: MarkerPose, camera: Camera) -> Image:
     """(h, w) 255 where the plane near the marker is seen, beside its sheet or the body that it is printed on."""
-    angles = np.arange(48) * (2 * np.pi / 48)
-    circle = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(48)]) * TO_SIDES * marker.side_m
+    circle = np.column_stack([unit_circle(48), np.zeros(48)]) * TO_SIDES * marker.side_m
     printed = square_corners(2 * FROM_SIDES * marker.side_m)
     if marker.body is not None:
         printed = np.concatenate([printed, marker.body.points_marker()])

@@ -10,10 +10,11 @@ from typing import NamedTuple
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size, fitted
+from ashe_live.core.square import PlaneMarker
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.tracking.cube.unfolded import UNFOLDED, lies_unfolded
 from ashe_live.tracking.edges.flow import flowed_corners
-from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
+from ashe_live.tracking.edges.lens import ideal_from_source
 from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import Layout
 from ashe_live.tracking.families.markers import Marker
@@ -41,7 +42,7 @@ class _Looked(NamedTuple):
     """What looking for the members shows in a frame."""
 
     squares: dict[int, FittedSquare]  # by member
-    equal: int | None  # number of markers found that are like a member; None: they were not counted
+    equal_count: int | None  # of the markers found that are like a member; None: they were not counted
     is_unfolded: bool = False  # whether the frame shows the cube's sheet before it is folded
 
 
@@ -62,7 +63,7 @@ class MarkerTracker:
         self._members = MarkerMembers(marker, side_m)
         self._camera = camera
         self._camera_now: Camera | None = None
-        self._filter = PoseFilter()
+        self._filter = PoseFilter(side_m)
         self._sightings: list[Sighting] = []  # of the last frame
         self.reset()
 
@@ -102,31 +103,24 @@ class MarkerTracker:
         camera = self._camera_for(frame.size)
         last = self._recent(frame.time_s)
         looked = self._look(frame, camera, last)
-        if looked.equal is not None:
-            self._note = SEVERAL.format(looked.equal) if looked.equal > 1 else None
+        if looked.equal_count is not None:
+            self._note = SEVERAL.format(looked.equal_count) if looked.equal_count > 1 else None
         posed, last = self._posed(looked.squares, camera, last)
         bridged = 0
         if posed.pose is None and last is not None and last.bridged < BRIDGED_FRAMES:
             flowed, bridged = self._flowed(frame.image_bgr, camera, last), last.bridged + 1
             posed, last = self._posed(flowed, camera, last)
-        pose, squares, self._sightings = posed
+        pose, self._sightings = posed.pose, posed.sightings
         if pose is None:
             self._last = last
             self._lost_frames += 1
         else:
             pose = self._smoothed(pose, frame.time_s, bridged > 0)
-            seen_px = {number: source_from_ideal(camera, square.corners_px) for number, square in squares.items()}
-            corners_px = {0: pose.corners_px} if len(self._members.all) == 1 else seen_px
-            sigmas = {number: square.aligned_sigma for number, square in squares.items()}
-            self._last = remembered(frame, pose, corners_px, sigmas, bridged, last)
+            seen_px = self._members.seen_px(posed.squares, pose, camera)
+            self._last = remembered(frame, pose, seen_px, posed.squares, bridged, last)
             self._lost_frames = 0
             self._before_jump = None
-        others = self.others.found(frame, camera, pose, self.preset)
-        beside = self._members.beside
-        if pose is not None and beside is not None:
-            if not bridged:
-                beside.learn(frame, camera, pose, self.preset)
-            others += () if beside.placed is None else (beside.placed,)
+        others = self._others_on_plane(frame, camera, pose)
         detect_ms = (time.perf_counter() - start) * 1e3
         note = UNFOLDED if looked.is_unfolded else self._note if pose else None
         return TrackedFrame(frame, camera, pose, detect_ms, note, others)
@@ -150,11 +144,11 @@ class MarkerTracker:
                 looked = self._near_last_place(image, camera, last)
         if not looked.squares:
             searched = self._search(image, camera, last)
-            return searched if searched.equal is not None else searched._replace(equal=looked.equal)
+            return searched if searched.equal_count is not None else searched._replace(equal_count=looked.equal_count)
         if self._duplicates_s is None or not 0 <= frame.time_s - self._duplicates_s < DUPLICATE_CHECK_EVERY_S:
             self._duplicates_s = frame.time_s
             (alike,) = anywhere([self._members.all[0].marker], image, self.preset.detection_width_px, thorough=False)
-            looked = looked._replace(equal=len(alike))
+            looked = looked._replace(equal_count=len(alike))
         return looked
 
     def _where_expected(self, image: Image, camera: Camera, last: Memory, time_s: float) -> _Looked:
@@ -173,33 +167,33 @@ class MarkerTracker:
     def _near_last_place(self, image: Image, camera: Camera, last: Memory) -> _Looked:
         """Members searched for in the surroundings of their last places."""
         squares: dict[int, FittedSquare] = {}
-        equal: int | None = None
+        equal_count: int | None = None
         for number, corners_px in last.corners_px.items():
             marker = self._members.all[number].marker
             if found := nearby(marker, image, corners_px):
-                equal = len(found)
+                equal_count = len(found)
                 square = refined(marker, image, camera, last.nearest(number, found), self.preset.edge_samples)
                 if square is not None:
                     squares[number] = square
-        return _Looked(squares, equal)
+        return _Looked(squares, equal_count)
 
     def _search(self, image: Image, camera: Camera, last: Memory | None) -> _Looked:
         """Searches the whole frame for the first member that is found, and those that are seen by its pose."""
         is_thorough = self._lost_frames < THOROUGH_FRAMES or self._lost_frames % THOROUGH_EVERY == 0
         markers = [member.marker for member in self._members.all]
-        equal: int | None = None
+        equal_count: int | None = None
         for thorough in (False, True) if is_thorough else (False,):
             several = anywhere(markers, image, self.preset.detection_width_px, thorough)
             if lies_unfolded(self._members.faces_among(several)):
-                return _Looked({}, equal, is_unfolded=True)
+                return _Looked({}, equal_count, is_unfolded=True)
             for number, (marker, found) in enumerate(zip(markers, several, strict=True)):
                 if not found:
                     continue
-                equal, chosen = len(found), found[0] if last is None else last.nearest(number, found)
+                equal_count, chosen = len(found), found[0] if last is None else last.nearest(number, found)
                 square = refined(marker, image, camera, chosen, self.preset.edge_samples)
                 if square is not None:
-                    return _Looked(self._with_others(number, square, image, camera), equal)
-        return _Looked({}, equal)
+                    return _Looked(self._with_others(number, square, image, camera), equal_count)
+        return _Looked({}, equal_count)
 
     def _with_others(self, number: int, square: FittedSquare, image: Image, camera: Camera) -> dict[int, FittedSquare]:
         """The one member that was found, and all others that are seen where its pose predicts them.
@@ -238,8 +232,15 @@ class MarkerTracker:
         assert pose.noise_covariance is not None
         if not self.filters:
             return dataclasses.replace(pose, bridged=bridged)
-        preset = self.preset
-        T = self._filter.add(
-            pose.T_cam_marker, pose.noise_covariance, self.side_m, time_s, preset.filter_rest_s, preset.filter_gate
-        )
-        return dataclasses.replace(pose, T_cam_marker=T, unfiltered_T_cam_marker=pose.T_cam_marker, bridged=bridged)
+        held = self._filter.add(pose.T_cam_marker, pose.noise_covariance, time_s, self.preset)
+        return dataclasses.replace(pose, T_cam_marker=held, unfiltered_T_cam_marker=pose.T_cam_marker, bridged=bridged)
+
+    def _others_on_plane(self, frame: Frame, camera: Camera, pose: MarkerPose | None) -> tuple[PlaneMarker, ...]:
+        """Further markers on the plane of the pose: those asked for, and the flat one beside a cube."""
+        others = self.others.found(frame, camera, pose, self.preset)
+        beside = self._members.beside
+        if pose is None or beside is None:
+            return others
+        if not pose.bridged:
+            beside.learn(frame, camera, pose, self.preset)
+        return others if beside.placed is None else (*others, beside.placed)

@@ -123,17 +123,15 @@ def status_lines(
     The marker's numbers are those of `measured`, or else of the current frame; `model_name` is that of the model in the
     picture, which may not be the chosen one yet.
     """
-    rate = [] if fps is None else [f"{fps:.0f} fps"]
-    camera = camera_line(session.tracked)
+    model = f"model: {model_name or session.table.in_hand_text}"
+    first = "   ".join((model, quality) if fps is None else (f"{fps:.0f} fps", model, quality, KEYS))
     seen = measured or session.tracked
     marker = marker_line(seen)
     if seen is not None and seen.marker is not None:
         marker += "".join(f"; {spec}: not in view" for spec in session.arrangement.without_marker(seen))
-    first = "   ".join(
-        [*rate, f"model: {model_name or session.table.in_hand_text}", quality, *([] if fps is None else [KEYS])]
-    )
     if _awaits_marker(session):  # of which the lines at the bottom speak: camera and light follow from it
         return [first, marker]
+    camera = camera_line(session.tracked)
     return [first, marker, *([] if camera is None else [camera]), light_line(session)]
 
 
@@ -142,6 +140,29 @@ def source_lines(session: Session, source_status: str | None, now_s: float) -> l
     parts, said_now = session.view.parts_line, session.notice.shown(now_s)
     said = (*guidance(session), source_status, session.table.progress, parts, said_now)
     return [text for text in said if text]
+
+
+def guidance(session: Session) -> tuple[str, ...]:
+    """Hints while no marker or no light has been found, or while a lamp or the model stands where it is of no use."""
+    if (note := lamp_note(session)) is not None:
+        return (note,)
+    if _is_moved_out_of_picture(session):
+        return (OUT_OF_PICTURE,)
+    if session.markers_in_view:
+        specs = session.markers_in_view
+        return (f"{in_view_text(specs)}: M follows {in_words(specs[0])}",)
+    if _awaits_marker(session):
+        if session.watch.camera_may_move:
+            return NO_MARKER
+        if not session.has_named_marker:
+            return NONE_IN_FILE
+        marker = session.arrangement.followed
+        which = "the marker that is looked for" if marker is None else the_marker(marker)
+        return (f"{which} {NOT_IN_FILE[0]}", *NOT_IN_FILE[1:])
+    if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:
+        without_it = [WITHOUT_IT] if session.watch.may_show_empty_table else []
+        return f"what helps: {AFTER_NONE}", *without_it, SET_BY_HAND
+    return ()
 
 
 def lamp_note(session: Session) -> str | None:
@@ -177,26 +198,3 @@ def _is_moved_out_of_picture(session: Session) -> bool:
 def _awaits_marker(session: Session) -> bool:
     """Whether pictures come, and none has shown a marker, without which only a light by hand can be known."""
     return session.tracked is not None and not session.room_light.has_seen_marker and session.hand.light is None
-
-
-def guidance(session: Session) -> tuple[str, ...]:
-    """Hints while no marker or no light has been found, or while a lamp or the model stands where it is of no use."""
-    if (note := lamp_note(session)) is not None:
-        return (note,)
-    if _is_moved_out_of_picture(session):
-        return (OUT_OF_PICTURE,)
-    if session.markers_in_view:
-        specs = session.markers_in_view
-        return (f"{in_view_text(specs)}: M follows {in_words(specs[0])}",)
-    if _awaits_marker(session):
-        if session.watch.camera_may_move:
-            return NO_MARKER
-        if not session.has_named_marker:
-            return NONE_IN_FILE
-        marker = session.arrangement.followed
-        which = "the marker that is looked for" if marker is None else the_marker(marker)
-        return (f"{which} {NOT_IN_FILE[0]}", *NOT_IN_FILE[1:])
-    if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:
-        without_it = [WITHOUT_IT] if session.watch.may_show_empty_table else []
-        return f"what helps: {AFTER_NONE}", *without_it, SET_BY_HAND
-    return ()

@@ -84,6 +84,11 @@ class ViewOptions:
         """Whether models may take the place of a body that the marker is on: once the ground over it is drawn."""
         return self.covers_marker(tracked) and self.cover_is_drawn
 
+    @property
+    def parts_line(self) -> str | None:
+        """What is shown, as long as that is less than all: snapshots and recordings have no more either."""
+        return None if self.parts is WHOLE else f"{self.parts.value}: {NEXT_PARTS}"
+
     def _show_next_parts(self, now_s: float) -> None:
         in_order = list(ShownParts)
         self.parts = in_order[(in_order.index(self.parts) + 1) % len(in_order)]
@@ -91,8 +96,3 @@ class ViewOptions:
             self._notice.say(f"{WHOLE.value}: {NEXT_PARTS}", now_s)
         else:  # which `parts_line` says for as long as it is so
             self._notice.withdraw(WHOLE.value)
-
-    @property
-    def parts_line(self) -> str | None:
-        """What is shown, as long as that is less than all: snapshots and recordings have no more either."""
-        return None if self.parts is WHOLE else f"{self.parts.value}: {NEXT_PARTS}"

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.light import Illumination, Light, LightEstimate, StageClock
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
@@ -21,6 +22,13 @@ def test_a_lamp_of_another_angular_size_has_a_radius_to_fit() -> None:
     assert lamp.radius_m == pytest.approx(0.5 * math.tan(0.05))
     assert SUN.with_angular_size(0.1).radius_m is None
     assert lamp.with_angular_size(None).radius_m == lamp.radius_m
+
+
+@pytest.mark.parametrize("known", [{"shadow_rgb_ratio": np.full(3, 0.9)}, {"intensity_rgb_ratio": np.full(3, 7.0)}])
+def test_without_a_light_the_ground_keeps_what_that_does_not_give(known: dict[str, Float]) -> None:
+    light = dataclasses.replace(SUN, **known).with_ground_share(np.array([0.2, 0.5, 0.8]))
+    np.testing.assert_allclose(light.ground_rgb_ratio, [0.8, 0.5, 0.2])
+    assert (light.intensity_rgb_ratio is None) == ("intensity_rgb_ratio" not in known)
 
 
 def test_no_light_needs_a_reason() -> None:

@@ -1,5 +1,6 @@
 """The regions of painted scenes, and the truth in them: what the stages after `regions` are asked about."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
@@ -9,7 +10,9 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.preset import BALANCED
+from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, unlit_mask
 from ashe_live.light.ground.regions import Region, unlit_regions
@@ -40,6 +43,10 @@ class PaintedRegion:
     def view(self) -> SceneView:
         fine = View.of(self.scene.tracked, BALANCED.fine_width_px)
         return SceneView(self.scene.tracked.frame.index, fine, fine.scaled(BALANCED.coarse_width_px), self.ground)
+
+    def error_deg(self, explanation: Explanation) -> float:
+        """Between an explanation's first light and the one that the scene is painted in."""
+        return math.degrees(angle_between(explanation.lights[0].to_light_marker, self.scene.to_light))
 
     @cached_property
     def materials(self) -> Materials:

@@ -1,6 +1,6 @@
 """Synthetic pictures of a marker at a known pose, and pattern files of our own."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import cv2
@@ -26,6 +26,11 @@ def pose(distance_m: float, tilt_deg: float, turn_deg: float = 0.0, aside_m: flo
     turn = cv2.Rodrigues(np.array((0, 0, np.radians(turn_deg))))[0]
     tilt = cv2.Rodrigues(np.array((np.radians(180 - tilt_deg), 0, 0)))[0]
     return rigid(tilt @ turn, (aside_m, 0.01, distance_m))
+
+
+def is_among(quads: Sequence[Float], corners_px: Float) -> bool:
+    """Whether one of the quads (4, 2) lies at these corners (4, 2), whichever it begins with."""
+    return any(np.abs(np.roll(quad, turn, axis=0) - corners_px).max() < 8 for quad in quads for turn in range(4))
 
 
 def picture(marker: Marker, camera: Camera, T_cam_marker: Float, side_m: float = SIDE_M, noise: float = 2.0) -> Image:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ashe_live.capture.sources import Source
+from ashe_live.capture.sources import Source, SourceLost
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.light import Illumination, Light, LightEstimate
@@ -300,6 +300,17 @@ class Fakes:
         FakeRenderer,
     )
     tracked = staticmethod(tracked)
+
+    @staticmethod
+    def lost_once(at: int) -> Callable[[int], None]:
+        """A source's hook by which it is lost before the frame with this index, the first time."""
+        losses = iter([True])
+
+        def lose(index: int) -> None:
+            if index == at and next(losses, False):
+                raise SourceLost("the camera gives no more pictures", "plug it in")
+
+        return lose
 
     @staticmethod
     def tracked_in(frame: Frame) -> TrackedFrame:

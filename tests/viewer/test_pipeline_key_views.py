@@ -6,7 +6,6 @@ from contextlib import ExitStack
 
 import pytest
 
-from ashe_live.capture.sources import SourceLost
 from ashe_live.core.types import TrackedFrame
 from ashe_live.viewer.sources import capture_loop
 from ashe_live.viewer.sources import pipeline as pipeline_module
@@ -87,13 +86,7 @@ def test_a_seek_and_a_restart_drop_them_and_the_next_frame_in_a_row_does_not(run
 def test_a_camera_that_was_lost_drops_them(run, fakes, monkeypatch):
     monkeypatch.setattr(capture_loop, "RECONNECT_EVERY_S", 0.01)
     source = fakes.Source(10_000, is_live=True)
-    losses = iter([True])
-
-    def lose(index: int) -> None:
-        if index == 3 and next(losses, False):
-            raise SourceLost("the camera gives no more pictures", "plug it in")
-
-    source.hook = lose
+    source.hook = fakes.lost_once(at=3)
     source.returns = [True]
     events = run(source).key_views.await_that(lambda events: len(events) > 6)
     assert events[2:5] == [2, -1, 3]

@@ -18,7 +18,8 @@ from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.estimates.held_empty_table import EMPTY_FOR_S
 from ashe_live.viewer.estimates.not_there_yet import ANSWER_ALONE
 from ashe_live.viewer.estimates.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE
-from ashe_live.viewer.hands.requests import Command, Request
+from ashe_live.viewer.hands.hand import NEEDS_MARKER
+from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.notice import NOTICE_S
 from ashe_live.viewer.status import WITHOUT_IT, guidance, light_line
 from tests.viewer.scripted_session import lying, on_cube, placed
@@ -177,6 +178,19 @@ def test_without_a_marker_in_view_nothing_is_covered_or_shown_unseen(make, fakes
         session.press(Command.COVER_MARKER)
         assert session.view.wants_cover is None
         assert "no marker in view" in session.notice.shown(0.0)
+
+
+def test_without_a_marker_in_view_the_hand_moves_nothing_and_says_why(make, fakes):
+    session, in_view = make(), fakes.tracked()
+    for tracked in (None, dataclasses.replace(in_view, marker=None)):
+        if tracked is not None:
+            session.take(tracked, 0.0)
+        for command in (Command.MOVE_LIGHT, Command.MOVE_MODEL):
+            for argument in ((1, 0), Drag((1.0, 2.0), (30.0, 40.0), is_first=True)):
+                session.say("before", 0.0)
+                assert session.press(command, argument)
+                assert session.notice.shown(0.0) == NEEDS_MARKER
+        assert (session.hand.light, session.hand.placement) == (None, UNMOVED)
 
 
 def test_a_model_takes_a_covered_cubes_place_once_the_ground_over_it_is_drawn(make, fakes):

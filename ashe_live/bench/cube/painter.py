@@ -94,33 +94,6 @@ def _hidden_sky(scene: CubeScene, x: Float, y: Float) -> Float:
     return np.asarray(HIDDEN_SKY * np.exp(-beyond / (FADING * scene.edge_m)))
 
 
-def _from_sides(scene: CubeScene, x: Float, y: Float) -> Float:
-    """(h, w, 3) irradiance over pi that the cube's printed sides send to places of the table, by a map around it."""
-    mapped = np.zeros((MAPPED, MAPPED, 3))
-    for number, (face, reflectance) in enumerate(zip(FACES, _prints(), strict=True)):
-        if face.outwards[2] > 0:
-            continue
-        corners, normal = _facet(scene, number)
-        light = _irradiance(scene, normal, corners.mean(axis=0))
-        mapped += _part_around(corners.tobytes(), scene.edge_m)[..., None] * (float(reflectance.mean()) * light)
-    column, row = (
-        np.nan_to_num((each / scene.edge_m / AROUND + 1) * (MAPPED - 1) / 2, nan=-1e3)
-        .clip(-1e3, 1e3)
-        .astype(np.float32)
-        for each in (x, y)
-    )
-    return np.asarray(
-        cv2.remap(mapped, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT), dtype=np.float64
-    )
-
-
-@lru_cache(maxsize=64)  # of the pictures of one cube, as folds move with it
-def _part_around(corners: bytes, edge_m: float) -> Float:
-    """(MAPPED, MAPPED) what places around the cube get from a facet, by the bytes of its corners (4, 3)."""
-    along = np.linspace(-AROUND, AROUND, MAPPED) * edge_m
-    return part_from_facet(np.frombuffer(corners).reshape(4, 3), along[None], along[:, None])
-
-
 @cache
 def _prints() -> tuple[Float32, ...]:
     """Each face's reflectances, as `_print` has them."""
@@ -155,6 +128,33 @@ def _table(scene: CubeScene, fine: Camera) -> Float32:
         part, shaded = _shaded(scene, fine, body, one)
         light[part] -= finer(of_light)[part] * shaded[..., None]
     return light
+
+
+def _from_sides(scene: CubeScene, x: Float, y: Float) -> Float:
+    """(h, w, 3) irradiance over pi that the cube's printed sides send to places of the table, by a map around it."""
+    mapped = np.zeros((MAPPED, MAPPED, 3))
+    for number, (face, reflectance) in enumerate(zip(FACES, _prints(), strict=True)):
+        if face.outwards[2] > 0:
+            continue
+        corners, normal = _facet(scene, number)
+        light = _irradiance(scene, normal, corners.mean(axis=0))
+        mapped += _part_around(corners.tobytes(), scene.edge_m)[..., None] * (float(reflectance.mean()) * light)
+    column, row = (
+        np.nan_to_num((each / scene.edge_m / AROUND + 1) * (MAPPED - 1) / 2, nan=-1e3)
+        .clip(-1e3, 1e3)
+        .astype(np.float32)
+        for each in (x, y)
+    )
+    return np.asarray(
+        cv2.remap(mapped, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT), dtype=np.float64
+    )
+
+
+@lru_cache(maxsize=64)  # of the pictures of one cube, as folds move with it
+def _part_around(corners: bytes, edge_m: float) -> Float:
+    """(MAPPED, MAPPED) what places around the cube get from a facet, by the bytes of its corners (4, 3)."""
+    along = np.linspace(-AROUND, AROUND, MAPPED) * edge_m
+    return part_from_facet(np.frombuffer(corners).reshape(4, 3), along[None], along[:, None])
 
 
 def _shaded(scene: CubeScene, fine: Camera, body: Float, one: PaintedLight) -> tuple[Part, Float32]:

@@ -41,16 +41,16 @@ def painted_pictures(one: CubeSet, count: int, seed: int) -> Iterator[CubePictur
     """The first so many of a set."""
     for number, scene in enumerate(one.scenes(count, seed)):
         yield CubePicture(
-            f"{one.name} {number}",
-            painted(scene),
-            scene.camera,
-            scene.T_cam_cube,
-            scene.edge_m,
-            np.array([each.point for each in scene.lights]).reshape(-1, 4),
-            all(is_seen(scene, light.point) for light in scene.lights),
-            painted_sky(scene),
-            scene.table_rgb,
-            map(painted, before(scene)) if one.followed else (),
+            id=f"{one.name} {number}",
+            image=painted(scene),
+            camera=scene.camera,
+            T_cam_cube=scene.T_cam_cube,
+            edge_m=scene.edge_m,
+            lights=np.array([each.point for each in scene.lights]).reshape(-1, 4),
+            shows_shadows=all(is_seen(scene, light.point) for light in scene.lights),
+            sky_on_ball=painted_sky(scene),
+            table_rgb=scene.table_rgb,
+            before=map(painted, before(scene)) if one.followed else (),
         )
 
 
@@ -93,15 +93,15 @@ def _read(folder: Path, entry: Mapping[str, Any]) -> CubePicture:
     points, edge_m = np.array([_point(each) for each in lights]).reshape(-1, 4), entry["marker"]["side_m"]
     perfect = CubeScene(camera, T_cam_cube, [], edge_m=edge_m)  # without its folds, for what is seen of its shadows
     return CubePicture(
-        entry["id"],
-        image,
-        camera,
-        T_cam_cube,
-        edge_m,
-        points,
-        all(is_seen(perfect, point) for point in points),
-        sky,
-        np.array(entry["ground"]["albedo"], dtype=np.float64),
+        id=entry["id"],
+        image=image,
+        camera=camera,
+        T_cam_cube=T_cam_cube,
+        edge_m=edge_m,
+        lights=points,
+        shows_shadows=all(is_seen(perfect, point) for point in points),
+        sky_on_ball=sky,
+        table_rgb=np.array(entry["ground"]["albedo"], dtype=np.float64),
     )
 
 

@@ -10,6 +10,7 @@ from dataclasses import astuple, dataclass
 
 import numpy as np
 
+from ashe_live.bench.descent import coordinate_descent
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import ELLIPSE_68, ELLIPSE_95
 from ashe_live.light.explanation.judgement.uncertainty import Calibration, covariance_of_outlines, overdispersed
@@ -17,7 +18,7 @@ from ashe_live.light.explanation.judgement.uncertainty import Calibration, covar
 # Where the search begins, its factors on each parameter from coarse to fine, and the ranges that make sense.
 START = Calibration(1.0, math.radians(20.0), 2.0)
 FACTORS = (2.0, 1.4, 1.1, 1.03, 1.01)
-LEAST, MOST = (0.1, math.radians(1), 0.5), (20.0, math.radians(90), 6.0)
+LIMITS = (0.1, 20.0), (math.radians(1), math.radians(90)), (0.5, 6.0)
 # The share of errors and the squared Mahalanobis distance of each quantile that is fitted.
 QUANTILES = ((0.68, ELLIPSE_68), (0.95, ELLIPSE_95))
 LEAST_SQUARED = 1e-4  # squared Mahalanobis distance of an error: a smaller one is as good as none
@@ -35,19 +36,8 @@ class Answer:
 
 def fitted_calibration(answers: Sequence[Answer]) -> Calibration:
     """The calibration with the least sum of quantile losses, by coordinate descent in the parameters' logs."""
-    best, least = astuple(START), _loss(START, answers)
-    for factor in FACTORS:
-        improved = True
-        while improved:
-            improved = False
-            for index in range(len(best)):
-                for by in (factor, 1 / factor):
-                    tried = list(best)
-                    tried[index] = float(np.clip(best[index] * by, LEAST[index], MOST[index]))
-                    loss = _loss(Calibration(*tried), answers)
-                    if loss < least - 1e-9:
-                        best, least, improved = tuple(tried), loss, True
-    return Calibration(*(round(value, 4) for value in best))
+    fitted = coordinate_descent(astuple(START), lambda tried: _loss(Calibration(*tried), answers), FACTORS, LIMITS)
+    return Calibration(*(round(value, 4) for value in fitted))
 
 
 def squared_distances(calibration: Calibration, answers: Sequence[Answer]) -> Float:

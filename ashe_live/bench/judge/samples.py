@@ -88,16 +88,16 @@ def by_every_look(
     return in_processes(looked, cases, jobs, console, what)
 
 
+def _looked_at(tables: str, tried: int | None, case: Case) -> dict[ProxyPreset, Sample]:
+    """A picture by every look, in a process of its own."""
+    return {preset: sample_of(case, estimator) for preset, estimator in _estimators(tables, tried).items()}
+
+
 @cache
 def _estimators(tables: str, tried: int | None) -> Mapping[ProxyPreset, ProxyEstimator]:
     """One for each look, with a judge by the text of its tables."""
     judge = Judge(read_tables(tables))
     return {preset: ProxyEstimator(replace(preset, tried=tried or preset.tried), judge) for preset in LOOKS}
-
-
-def _looked_at(tables: str, tried: int | None, case: Case) -> dict[ProxyPreset, Sample]:
-    """A picture by every look, in a process of its own."""
-    return {preset: sample_of(case, estimator) for preset, estimator in _estimators(tables, tried).items()}
 
 
 def sample_of(case: Case, estimator: ProxyEstimator) -> Sample:

@@ -77,12 +77,12 @@ def fall_error(case: Case, preset: ProxyPreset) -> FallError | None:
     )
     to_lamp = case.lamp_m / np.linalg.norm(case.lamp_m)
     return FallError(
-        even.worst_cost - pull.worst_cost,
-        1 / float(case.lamp_m[2]),
-        float(place.mean[2]),
-        sigma,
-        angular_error_deg(alone.light[:3], to_lamp),
-        squared_sigmas(alone.light[:3], alone.lamp_covariance[:2, :2], to_lamp),
+        deviance=even.worst_cost - pull.worst_cost,
+        true=1 / float(case.lamp_m[2]),
+        estimated=float(place.mean[2]),
+        sigma=sigma,
+        direction_deg=angular_error_deg(alone.light[:3], to_lamp),
+        squared_sigmas=squared_sigmas(alone.light[:3], alone.lamp_covariance[:2, :2], to_lamp),
     )
 
 

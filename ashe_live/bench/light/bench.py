@@ -80,18 +80,7 @@ class LightBench(Bench):
         results = self._results(estimators)
         clips = self._clip_results(estimators)
         takes = self._take_results(estimators)
-        presets: dict[str, Json] = {}
-        for preset in estimators:
-            of_preset = [result for result in results if result.preset == preset]
-            summaries = {group: summarise(members) for group, members in grouped(of_preset).items()}
-            stages = stage_times(of_preset)
-            if of_preset:
-                print_preset(self.console, f"{self.estimator}, {preset}", summaries, stages, of_preset)
-            presets[preset] = {
-                "summaries": {group: asdict(summary) for group, summary in summaries.items()},
-                "stages_ms": stages,
-                "clips": [asdict(clip) for clip in clips if clip.preset == preset],
-            }
+        presets = {preset: self._printed_preset(preset, results, clips) for preset in estimators}
         if results:
             print_risk(self.console, results)
             print_lamps(self.console, results)
@@ -115,6 +104,19 @@ class LightBench(Bench):
             "cases": [asdict(result) for result in results],
             "takes": [asdict(result) for result in takes],
             "known_casters": [asdict(result) for result in known],
+        }
+
+    def _printed_preset(self, preset: str, results: Sequence[CaseResult], clips: Sequence[ClipResult]) -> Json:
+        """One preset's share of what was measured, whose tables it prints."""
+        of_preset = [result for result in results if result.preset == preset]
+        summaries = {group: summarise(members) for group, members in grouped(of_preset).items()}
+        stages = stage_times(of_preset)
+        if of_preset:
+            print_preset(self.console, f"{self.estimator}, {preset}", summaries, stages, of_preset)
+        return {
+            "summaries": {group: asdict(summary) for group, summary in summaries.items()},
+            "stages_ms": stages,
+            "clips": [asdict(clip) for clip in clips if clip.preset == preset],
         }
 
     def cases(self) -> list[Case]:

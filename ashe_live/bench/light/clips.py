@@ -66,9 +66,16 @@ def estimate_clip(estimator: Estimator, preset: str, clip: KnownClip, frames: li
         centre = normalised(np.mean(answers, axis=0)) if clip.to_light_marker is None else clip.to_light_marker
         rms = rms_deg(answers, centre)
         worst = max(angular_error_deg(answer, centre) for answer in answers)
-    about = "mean" if clip.to_light_marker is None else "truth"
-    without_marker, abstained = len(frames) - len(seen), len(seen) - len(answers)
-    return ClipResult(preset, clip.path.name, about, len(frames), without_marker, abstained, rms, worst)
+    return ClipResult(
+        preset=preset,
+        clip=clip.path.name,
+        about="mean" if clip.to_light_marker is None else "truth",
+        frames=len(frames),
+        without_marker=len(frames) - len(seen),
+        abstained=len(seen) - len(answers),
+        rms_deg=rms,
+        max_deg=worst,
+    )
 
 
 def _listed(folder: Path, content: dict[str, Any]) -> Iterator[KnownClip]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,11 +22,13 @@ class LampFigures:
 
     true_distance_m: float | None  # of the strongest light from the marker's centre; None for a sun
     is_stated: bool  # whether the answer is a lamp
-    beside_deg: float | None  # mean error of the direction at four points BESIDE_M from the object, along x and y
-    distance_error: float | None  # of a lamp stated as such: error of its distance over that distance
-    sigmas: float | None  # of the same: error of its inverse distance, in standard deviations
-    squared_sigmas: float | None  # of the same: squared Mahalanobis distance of direction and inverse distance
-    radius_error: float | None  # of the same, where its radius is stated: error of that over the true one
+    beside_deg: float | None = (
+        None  # mean error of the direction at four points BESIDE_M from the object, along x and y
+    )
+    distance_error: float | None = None  # of a lamp stated as such: error of its distance over that distance
+    sigmas: float | None = None  # of the same: error of its inverse distance, in standard deviations
+    squared_sigmas: float | None = None  # of the same: squared Mahalanobis distance of direction and inverse distance
+    radius_error: float | None = None  # of the same, where its radius is stated: error of that over the true one
 
 
 def lamp_figures(light: Light | None, case: Case) -> LampFigures | None:
@@ -36,21 +38,25 @@ def lamp_figures(light: Light | None, case: Case) -> LampFigures | None:
     lamp_m = case.lamp_m
     distance_m = None if lamp_m is None else float(np.linalg.norm(lamp_m))
     if light is None:
-        return LampFigures(distance_m, False, None, None, None, None, None)
+        return LampFigures(distance_m, is_stated=False)
     true = np.append(case.to_lights_marker[0], 0.0 if distance_m is None else 1 / distance_m)
     beside = None if case.foot_m is None else _beside_deg(light.homogeneous, true, case.foot_m)
     if light.inverse_distance == 0 or distance_m is None:
-        return LampFigures(distance_m, light.inverse_distance > 0, beside, None, None, None, None)
-    sigmas = squared = None
+        return LampFigures(distance_m, is_stated=light.inverse_distance > 0, beside_deg=beside)
+    figures = LampFigures(
+        distance_m,
+        is_stated=True,
+        beside_deg=beside,
+        distance_error=abs(1 / light.inverse_distance / distance_m - 1),
+    )
     if light.lamp_covariance is not None:
         off = np.append(tangent_offset(light.to_light_marker, true[:3]), true[3] - light.inverse_distance)
         sigmas = float(-off[2] / math.sqrt(light.lamp_covariance[2, 2]))
         squared = float(off @ np.linalg.solve(light.lamp_covariance, off))
-    radius_error = None
+        figures = replace(figures, sigmas=sigmas, squared_sigmas=squared)
     if light.radius_m is not None and case.lamp_radius_m is not None:
-        radius_error = abs(light.radius_m / case.lamp_radius_m - 1)
-    distance_error = abs(1 / light.inverse_distance / distance_m - 1)
-    return LampFigures(distance_m, True, beside, distance_error, sigmas, squared, radius_error)
+        figures = replace(figures, radius_error=abs(light.radius_m / case.lamp_radius_m - 1))
+    return figures
 
 
 def _beside_deg(answer: Float, truth: Float, foot_m: Float) -> float:
@@ -83,13 +89,13 @@ def summarise_lamps(figures: Sequence[LampFigures], answered: Sequence[bool]) ->
     sigmas = [each.sigmas for each in given if each.sigmas is not None]
     squares = [each.squared_sigmas for each in given if each.squared_sigmas is not None]
     return LampSummary(
-        len(figures),
-        share(list(answered)),
-        share([each.is_stated for each in given]),
-        median(each.beside_deg for each in given),
-        median(each.distance_error for each in given),
-        share([abs(each) <= 1 for each in sigmas]),
-        share([each <= ELLIPSOID_95 for each in squares]),
-        share([each.radius_error is not None for each in given if each.distance_error is not None]),
-        median(each.radius_error for each in given),
+        attempted=len(figures),
+        answered=share(list(answered)),
+        stated=share([each.is_stated for each in given]),
+        beside_deg=median(each.beside_deg for each in given),
+        distance_error=median(each.distance_error for each in given),
+        within_1_sigma=share([abs(each) <= 1 for each in sigmas]),
+        within_ellipsoid_95=share([each <= ELLIPSOID_95 for each in squares]),
+        radius_told=share([each.radius_error is not None for each in given if each.distance_error is not None]),
+        radius_error=median(each.radius_error for each in given),
     )

@@ -102,24 +102,26 @@ def case_result(
         error = angular_error_deg(light.to_light_marker, nearest)
         if light.covariance_rad2 is not None:
             off = squared_sigmas(light.to_light_marker, light.covariance_rad2, nearest)
+    object_iou, shadow_iou = overlaps
     return CaseResult(
-        preset,
-        case.folder,
-        case.id,
-        case.category,
-        case.caster,
-        len(truths),
-        tuple(light_json(light) for light in estimate.lights),
-        estimate.reason,
-        error,
-        None if light is None or light.sigma_rad is None else float(np.degrees(light.sigma_rad)),
-        off,
-        None if light is None else light.confidence,
-        *overlaps,
-        true_labels_deg,
-        dict(estimate.timing_ms),
-        cpu_ms,
-        lamp_figures(light, case),
+        preset=preset,
+        folder=case.folder,
+        case=case.id,
+        category=case.category,
+        caster=case.caster,
+        true_lights=len(truths),
+        lights=tuple(light_json(light) for light in estimate.lights),
+        reason=estimate.reason,
+        error_deg=error,
+        sigma_deg=None if light is None or light.sigma_rad is None else float(np.degrees(light.sigma_rad)),
+        squared_sigmas=off,
+        confidence=None if light is None else light.confidence,
+        object_iou=object_iou,
+        shadow_iou=shadow_iou,
+        true_labels_deg=true_labels_deg,
+        wall_ms=dict(estimate.timing_ms),
+        cpu_ms=cpu_ms,
+        lamp=lamp_figures(light, case),
     )
 
 

@@ -146,19 +146,21 @@ def _take(folder: Path, take: dict[str, Any]) -> Take | None:
             poses[int(frame["frame"])] = MarkerPose(T_cam_marker, corners_px, side_m, rms_px, None)
     if not poses:
         return None
+    lamp_m, lamp_radius_m, foot_m = lamp_and_foot(take)
     case = Case(
-        take["id"],
-        folder.resolve().name,
-        take.get("category", "take"),
-        (take.get("caster") or {}).get("type"),
-        folder / take["video"],
-        camera,
-        next(iter(poses.values())),
-        to_lights_marker(take),
-        {},
-        {},
-        marker_spec_of(take["marker"]),
-        *lamp_and_foot(take),
+        id=take["id"],
+        folder=folder.resolve().name,
+        category=take.get("category", "take"),
+        caster=(take.get("caster") or {}).get("type"),
+        image_path=folder / take["video"],
+        camera=camera,
+        marker=next(iter(poses.values())),
+        to_lights_marker=to_lights_marker(take),
+        mask_paths={},
+        marker_spec=marker_spec_of(take["marker"]),
+        lamp_m=lamp_m,
+        lamp_radius_m=lamp_radius_m,
+        foot_m=foot_m,
     )
     return Take(case, float(take["span_deg"]), poses)
 

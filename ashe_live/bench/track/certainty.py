@@ -1,11 +1,13 @@
 """Whether poses are as certain as they say, on pictures whose poses are known, and the figures that make them so."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
 from ashe_live.bench.cases import Case
+from ashe_live.bench.descent import coordinate_descent
 from ashe_live.bench.track.measures import MEDIAN_6, pose_error
 from ashe_live.bench.track.tables import Figure
 from ashe_live.core.arrays import Float
@@ -30,6 +32,7 @@ WANTED_WITHIN, SHORTFALL_COST = 0.95, 100.0
 STATED = ("end_px",)
 # Factors by which each figure is varied in turn, until none of them improves the ellipsoids.
 FACTORS = 1.5, 1.2, 1.08
+GAIN = 1e-3  # of the logarithm of their volume, below which none counts
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,20 +81,13 @@ def fitted(
     known = [one for one in seen if one is not None]
     if not known:
         return None
-    best, cost = start, _cost(known, start)
-    for factor in FACTORS:
-        improves = True
-        while improves:
-            improves = False
-            for name, value in asdict(best).items():
-                if name in stated:
-                    continue
-                for changed in (value * factor, value / factor):
-                    tried = replace(best, **{name: changed})
-                    if (tried_cost := _cost(known, tried)) < cost - 1e-3:
-                        best, cost, improves = tried, tried_cost, True
-                        break
-    return best
+    varied = {name: value for name, value in asdict(start).items() if name not in stated}
+
+    def errors(values: Sequence[float]) -> CornerErrors:
+        return replace(start, **dict(zip(varied, values, strict=True)))
+
+    values, limits = list(varied.values()), [(0.0, math.inf)] * len(varied)
+    return errors(coordinate_descent(values, lambda tried: _cost(known, errors(tried)), FACTORS, limits, GAIN))
 
 
 def _seen(marker: Marker, case: Case, preset: TrackingPreset) -> SeenMarker | None:

@@ -76,14 +76,16 @@ def _followed(path: Path, pattern: Path, side_m: float, focal_px: float, preset:
             times_ms.append(tracked.detect_ms)
     found = [marker for marker in markers if marker is not None]
     return ClipFigures(
-        path.name,
-        len(markers),
-        len(found) / max(1, len(markers)),
-        sum(marker.bridged for marker in found),
-        largest_turn_deg(markers),
-        jitter_in_motion_px([None if marker is None else marker.T_cam_marker for marker in markers], camera, side_m),
-        jitter_in_motion_px(
+        name=path.name,
+        frames=len(markers),
+        found_share=len(found) / max(1, len(markers)),
+        bridged=sum(marker.bridged for marker in found),
+        largest_turn_deg=largest_turn_deg(markers),
+        jitter_in_motion_px=jitter_in_motion_px(
+            [None if marker is None else marker.T_cam_marker for marker in markers], camera, side_m
+        ),
+        unfiltered_jitter_in_motion_px=jitter_in_motion_px(
             [None if marker is None else marker.measured_T_cam_marker for marker in markers], camera, side_m
         ),
-        float(np.median(times_ms)) if times_ms else 0.0,
+        median_ms=float(np.median(times_ms)) if times_ms else 0.0,
     )

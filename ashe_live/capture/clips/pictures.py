@@ -67,6 +67,9 @@ class ClipPictures:
         self._has_keyframe = False  # at or before the latest picture
         self._is_woven = False  # whether any picture was of two fields
         self.decoded = 0  # pictures, which gives the next one's index
+        self._last_bytes = b""  # of the last packet
+        self._latest_s = 0.0  # of the pictures since the start or the last jump
+        self._is_in_order = True  # whether none of them is stamped with a time before that of the last
         self._searched = Searched(self._file)
         try:
             self._container: InputContainer = opened_container(self._searched)
@@ -74,29 +77,20 @@ class ClipPictures:
             is_begun = begins_as_mp4(self._file)
             self._file.close()
             raise (cut_short(path) if is_begun else no_clip(path)) from None
-        stream = video_in(self._container)
-        if stream is None or stream.codec_context is None:  # whatever the stub says: a codec that FFmpeg does not know
-            is_sound = stream is None and bool(self._container.streams.audio)
-            self.close()
-            raise sound_alone(path) if is_sound else no_clip(path)
-        self._stream, codec = stream, stream.codec_context
-        # FFmpeg takes a size beyond the limit for none.
-        has_stated_size = codec.width > 0 and codec.height > 0
-        self.fps = frames_a_second(path, stream)
-        codec.thread_count = 1 if codec.width * codec.height <= ONE_THREAD_PIXELS else 2
-        codec.thread_type = "FRAME"
-        self._has_decoding_times = has_decoding_times_alone(self._container, stream)
-        self._last_bytes = b""  # of the last packet
-        self._latest_s = 0.0  # of the pictures since the start or the last jump
-        self._is_in_order = True  # whether none of them is stamped with a time before that of the last
-        self.to_srgb = srgb_converter(codec.color_primaries, codec.color_trc)  # None: its colours are sRGB's
-        self._videos = progressive(self._decoded(self._container, self._stream))
-        first = next(self._videos, None)
-        if first is None:
-            self.close()
-            raise without_picture(path, has_stated_size)
-        self.size = with_square_pixels((first.width, first.height), self._stream.sample_aspect_ratio)
         try:
+            self._stream = _stream_of_pictures(path, self._container)
+            codec = self._stream.codec_context
+            has_stated_size = codec.width > 0 and codec.height > 0  # FFmpeg takes a size beyond the limit for none
+            self.fps = frames_a_second(path, self._stream)
+            codec.thread_count = 1 if codec.width * codec.height <= ONE_THREAD_PIXELS else 2
+            codec.thread_type = "FRAME"
+            self._has_decoding_times = has_decoding_times_alone(self._container, self._stream)
+            self.to_srgb = srgb_converter(codec.color_primaries, codec.color_trc)  # None: its colours are sRGB's
+            self._videos = progressive(self._decoded(self._container, self._stream))
+            first = next(self._videos, None)
+            if first is None:
+                raise without_picture(path, has_stated_size)
+            self.size = with_square_pixels((first.width, first.height), self._stream.sample_aspect_ratio)
             refuse_too_large(path, self.size)
         except UserError:
             self.close()
@@ -240,3 +234,11 @@ class ClipPictures:
         is_other = abs(picture.width * height / (width * picture.height) - 1) > SAME_SHAPE
         self.has_other_shapes |= is_other
         return is_other
+
+
+def _stream_of_pictures(path: Path, container: InputContainer) -> VideoStream:
+    """The clip's. Raises UserError when it has none that can be decoded."""
+    stream = video_in(container)
+    if stream is None or stream.codec_context is None:  # whatever the stub says: a codec that FFmpeg does not know
+        raise sound_alone(path) if stream is None and container.streams.audio else no_clip(path)
+    return stream

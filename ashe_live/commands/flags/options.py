@@ -16,17 +16,6 @@ def has_command(arguments: Sequence[str]) -> bool:
     return bool(arguments) and (not arguments[0].startswith("-") or arguments[0] in ("-h", "--help", "--version"))
 
 
-def _with_axes_joined(arguments: Sequence[str]) -> Sequence[str]:
-    """Joins `--up -z` into one word, as argparse would take the axis for a flag."""
-    joined: list[str] = []
-    for word in arguments:
-        if joined and joined[-1] == "--up" and word in UPS:
-            joined[-1] = f"--up={word}"
-        else:
-            joined.append(word)
-    return joined
-
-
 def parsed(arguments: Sequence[str]) -> argparse.Namespace:
     """The options, with the settings where no flag says otherwise. Raises UserError for impossible settings."""
     arguments = _with_axes_joined(arguments)
@@ -46,6 +35,17 @@ def parsed(arguments: Sequence[str]) -> argparse.Namespace:
     combined = build(_SettingsParser).parse_args([*arguments[:named], *flags, *arguments[named:]])
     combined.from_settings = settings
     return combined
+
+
+def _with_axes_joined(arguments: Sequence[str]) -> Sequence[str]:
+    """Joins `--up -z` into one word, as argparse would take the axis for a flag."""
+    joined: list[str] = []
+    for word in arguments:
+        if joined and joined[-1] == "--up" and word in UPS:
+            joined[-1] = f"--up={word}"
+        else:
+            joined.append(word)
+    return joined
 
 
 def with_origin(error: UserError, options: argparse.Namespace | None) -> UserError:

@@ -114,15 +114,15 @@ def measured_steps(bodies: Sequence[LitBody], picture: LightPicture, shifts: Flo
     sights = [Sight(sight.camera, sight.T_cam_marker, outline.mean(axis=0)) for outline in outlines]
     information = np.where(is_usable, _by_outline(steps.information, n), 0.0)
     return MeasuredSteps(
-        bodies,
-        in_view,
-        steps.offset_px.reshape(n, -1),
-        information.reshape(n, -1),
-        should_be_seen.reshape(n, -1),
-        places,
-        sights,
-        sizes_px(outlines),
-        picture.view,
+        bodies=bodies,
+        is_in_view=in_view,
+        offset_px=steps.offset_px.reshape(n, -1),
+        information=information.reshape(n, -1),
+        should_be_seen=should_be_seen.reshape(n, -1),
+        places=places,
+        sights=sights,
+        object_px=sizes_px(outlines),
+        view=picture.view,
     )
 
 

@@ -68,10 +68,8 @@ def derivatives_by_theta(
     """
     n, bodies = len(several), [lit.body for lit in several]
     c, s = math.cos(TURN_RAD), math.sin(TURN_RAD)
-    normals, along_edge = (
-        points.normals.reshape(n, -1, POINTS_PER_OUTLINE, 2).swapaxes(2, 3),
-        points.along_edge.reshape(n, -1, POINTS_PER_OUTLINE),
-    )
+    normals = points.normals.reshape(n, -1, POINTS_PER_OUTLINE, 2).swapaxes(2, 3)
+    along_edge = points.along_edge.reshape(n, -1, POINTS_PER_OUTLINE)
     aside = s * normals[:, :, ::-1] * [[-1], [1]]
     outward = np.concatenate([normals, normals], axis=3)
     turned = np.concatenate([c * normals - aside, c * normals + aside], axis=3)

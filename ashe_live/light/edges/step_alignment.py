@@ -149,7 +149,14 @@ class _Seen:
             costs = mean_costs(cost, count, steps)
             as_lamp = None if free is None else (free[0][i, : size + 1, : size + 1], free[1][i, : size + 1])
             fit = EdgeFit(
-                lit, normals[i, :size, :size], float(cost.sum()), int(count.sum()), costs, int(steps), views, as_lamp
+                lit=lit,
+                normal=normals[i, :size, :size],
+                cost=float(cost.sum()),
+                count=int(count.sum()),
+                mean_costs=costs,
+                shadow_steps=int(steps),
+                views=views,
+                as_lamp=as_lamp,
             )
             found.append(fit if in_view[i] else None)
         return found

@@ -91,7 +91,10 @@ def illumination_of(
     if len(lights) == 1:
         lights = [lights[0].with_angular_size(size_of(answer.explanation, lights[0], tracked))]
     real_object = answer.explanation.real_object
-    return Illumination(tuple(lights), ratios[-1], lit_rgb(ground), real_object), answer.explanation
+    illumination = Illumination(
+        tuple(lights), ambient_rgb_ratio=ratios[-1], ground_rgb=lit_rgb(ground), real_object=real_object
+    )
+    return illumination, answer.explanation
 
 
 def _with_mean_light(choice: Choice) -> Explanation:

@@ -125,17 +125,22 @@ def measured(several: Sequence[PlacedBody]) -> list[Alignment]:
     equations = normal_equations(several, SEARCH_RANGES[-1], 1.0)
     squares = (equations.weight * equations.offset_px**2).sum(axis=1) / np.maximum(equations.weight.sum(axis=1), 1e-9)
     clarity = equations.borders.clarity.reshape(len(several), -1)
-    found = []
     in_view = equations.borders.in_view.reshape(len(several), -1, POINTS_PER_OUTLINE)
+    found = []
     for i, (one, normal, square, clear) in enumerate(zip(several, equations.normal, squares, clarity, strict=True)):
         size = one.lit.layout.split + len(one.lit.body.shape)
-        clear_body, clear_shadow = (
-            _mean_of_known(clear[:POINTS_PER_OUTLINE]),
-            _mean_of_known(clear[POINTS_PER_OUTLINE:]),
+        of_shadows = clear[POINTS_PER_OUTLINE:]
+        found.append(
+            Alignment(
+                placed=one,
+                normal=normal[:size, :size],
+                misfit_px=math.sqrt(square),
+                clear_body=_mean_of_known(clear[:POINTS_PER_OUTLINE]),
+                clear_shadow=_mean_of_known(of_shadows),
+                clear_shadows=tuple(map(_mean_of_known, of_shadows.reshape(-1, POINTS_PER_OUTLINE))),
+                ends_in_view=_ends_in_view(one.lit.lights_in_body_frame, equations.by_theta[i], in_view[i, 1:]),
+            )
         )
-        each = tuple(_mean_of_known(shadow) for shadow in clear[POINTS_PER_OUTLINE:].reshape(-1, POINTS_PER_OUTLINE))
-        ends = _ends_in_view(one.lit.lights_in_body_frame, equations.by_theta[i], in_view[i, 1:])
-        found.append(Alignment(one, normal[:size, :size], math.sqrt(square), clear_body, clear_shadow, each, ends))
     return found
 
 

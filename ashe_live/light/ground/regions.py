@@ -182,7 +182,17 @@ def region_of(fine: View, area: Mask, ground: LitGround, size_px: int, surroundi
     before = cut.is_ground if beyond is None else cut.is_ground & ~beyond
     unlit, faint = _unlit(colours, ground, resized(area, shape[::-1])[window], before)
     broad = None if ground.broad is None else resized(ground.broad.mask, shape[::-1])[window]
-    return Region(cut, colours, unlit, window, shape, _on_plane(ground, shape, window), faint, broad, beyond)
+    return Region(
+        view=cut,
+        colours=colours,
+        unlit=unlit,
+        window=window,
+        frame_shape=shape,
+        on_plane=_on_plane(ground, shape, window),
+        faint=faint,
+        broad=broad,
+        surroundings=beyond,
+    )
 
 
 def region_with_on_plane(region: Region, ground: LitGround) -> Region:

@@ -117,15 +117,15 @@ def carved(views: Sequence[Labelled], box: Box) -> Carved:
     low, shape = _plane_around(box)
     cells = [_cells_of(view.plane_xy, low, box.voxel_m, shape) for view in views]
     return Carved(
-        views,
-        box,
-        allowed,
-        centres[allowed],
-        [at[allowed] for at in pixels],
-        low,
-        shape,
-        cells,
-        np.append(_lit_cells(views, low, box.voxel_m, shape), True),
+        views=views,
+        box=box,
+        flat=allowed,
+        centres=centres[allowed],
+        pixels=[at[allowed] for at in pixels],
+        plane_low=low,
+        plane_shape=shape,
+        cells=cells,
+        lit=np.append(_lit_cells(views, low, box.voxel_m, shape), True),
     )
 
 

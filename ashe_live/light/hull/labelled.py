@@ -110,19 +110,19 @@ def _labelled(costs: Costs, shadow: Mask, picture: LightPicture) -> Labelled:
     view, top, left = region.view, *(part.start or 0 for part in region.window)
     P = np.asarray(view.camera.K @ view.T_cam_marker[:3])
     return Labelled(
-        P,
-        as_lit,
-        as_shadow,
-        as_body,
-        (body > np.minimum(lit, shaded) + SURE) & region.is_ground,
-        (lit < np.minimum(body, shaded) - SURE) & region.is_ground,
-        (-left, -top, region.frame_shape[1] - 1 - left, region.frame_shape[0] - 1 - top),
-        region.unreliable,
-        _plane_xy(P, lit.shape),
-        float(view.camera.K[0, 0]),
-        picture,
-        np.asarray(picture.view.camera.K @ np.linalg.inv(view.camera.K)),
-        float(costs.materials.shift[0]),
+        P=P,
+        as_lit=as_lit,
+        as_shadow=as_shadow,
+        as_body=as_body,
+        never_body=(body > np.minimum(lit, shaded) + SURE) & region.is_ground,
+        surely_lit=(lit < np.minimum(body, shaded) - SURE) & region.is_ground,
+        frame_px=(-left, -top, region.frame_shape[1] - 1 - left, region.frame_shape[0] - 1 - top),
+        unreliable=region.unreliable,
+        plane_xy=_plane_xy(P, lit.shape),
+        focal_px=float(view.camera.K[0, 0]),
+        picture=picture,
+        picture_from_region=np.asarray(picture.view.camera.K @ np.linalg.inv(view.camera.K)),
+        shift=float(costs.materials.shift[0]),
     )
 
 

@@ -89,13 +89,13 @@ def materials_of_two(region: Region, ground: LitGround, first: Materials, second
     shares = np.stack([first.light_lost, second.light_lost, share_of_light_lost(region, ground, both)])
     light_lost = np.take_along_axis(shares, layers.argmin(axis=0)[None], axis=0)[0]
     return Materials(
-        (first.shift, second.shift, both),
-        np.minimum(first.lit, second.lit),
-        layers.min(axis=0),
-        np.minimum(np.minimum(first.contact, second.contact), cost_of_both),
-        light_lost,
-        tuple(layers),
-        region.surroundings,
+        shifts=(first.shift, second.shift, both),
+        lit=np.minimum(first.lit, second.lit),
+        shaded=layers.min(axis=0),
+        contact=np.minimum(np.minimum(first.contact, second.contact), cost_of_both),
+        light_lost=light_lost,
+        layers=tuple(layers),
+        other_ground=region.surroundings,
     )
 
 

@@ -1,12 +1,11 @@
 """A light that may be in one of several places: the mean of these, and how far from it the truth may be."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, unit_circle
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.shape.directions import direction_by_displacement
 
@@ -31,9 +30,8 @@ class Errors:
 
 def errors_of(offsets: Float, spreads: Float, shares: Float) -> Errors:
     """Of a mixture of normal distributions: offsets (n, 2) from the answer, covariances (n, 2, 2), shares (n,)."""
-    turns = (np.arange(POINTS) + 0.5) * (2 * math.pi / POINTS)
     radii = np.sqrt(-2 * np.log1p(-(np.arange(CIRCLES) + 0.5) / CIRCLES))  # quantiles of Rayleigh's distribution
-    samples = (radii[:, None, None] * np.column_stack([np.cos(turns), np.sin(turns)])).reshape(-1, 2)
+    samples = (radii[:, None, None] * unit_circle(POINTS, 0.5)).reshape(-1, 2)
     values, vectors = np.linalg.eigh(spreads)
     along = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
     errors = np.linalg.norm(offsets[:, None] + samples @ along.transpose(0, 2, 1), axis=2)

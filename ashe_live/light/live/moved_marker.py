@@ -93,7 +93,7 @@ def _shared_there(lights: tuple[Light, ...], before: Illumination) -> tuple[tupl
     gains = np.array([_gain(now, was) for now, was in zip(lights, before.lights, strict=True)])
     received = shares * gains[:, None]
     total = np.maximum(sky + received.sum(axis=0), DARKEST)
-    shared = (_of_share(light, one / total) for light, one in zip(lights, received, strict=True))
+    shared = (light.with_ground_share(one / total) for light, one in zip(lights, received, strict=True))
     return tuple(shared), None if before.ambient_rgb_ratio is None else np.asarray(sky / total)
 
 
@@ -101,13 +101,6 @@ def _gain(now: Light, was: Light) -> float:
     """How much more a light gives to the sheet than where that lay before: Lambert's cosine, and a lamp's distance."""
     nearer = 1.0 if was.inverse_distance == 0 else now.inverse_distance / was.inverse_distance
     return nearer**2 * max(float(now.to_light_marker[2]), 0.0) / max(float(was.to_light_marker[2]), GRAZING)
-
-
-def _of_share(light: Light, share: Float) -> Light:
-    """The light with a share (3,) of all that the sheet receives, stated as it was: of a lamp over all other light."""
-    if light.intensity_rgb_ratio is None:
-        return replace(light, shadow_rgb_ratio=1 - share)
-    return replace(light, intensity_rgb_ratio=share / np.maximum(1 - share, DARKEST))
 
 
 def seen_before_move(tracked: TrackedFrame, T_room_marker: Float) -> TrackedFrame | None:

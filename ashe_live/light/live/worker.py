@@ -58,7 +58,7 @@ class LightWorker:
 
     @property
     def waited_s(self) -> float:
-        """AwakeTime since the last request."""
+        """Seconds since the last request, without the time in which this process was suspended."""
         return self._waited.passed_s()
 
     def request(

@@ -4,14 +4,13 @@ A plane through the camera's centre and the light's direction meets both silhoue
 "Common tangents"). Each of the two outermost planes gives one equation in the components of s, free of a body model.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Mask, unit_circle
 from ashe_live.light.shape.layout import ParameterLayout, light_parameters, nearness_of
 from ashe_live.light.shape.outlines.silhouettes import EDGE_SIGMA_PX, Outlines, Silhouette
 
@@ -123,8 +122,7 @@ def _vanishing_points(P: Float, lights: Float) -> Float:
 
 def _touches_near_ground(P: Float, spheroids: Float, light: Float) -> Mask:
     """(2,) whether the first and the second tangent from the light's vanishing point touch the body near the ground."""
-    angles = np.arange(16) * (2 * math.pi / 16)
-    rim = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(16)])
+    rim = np.column_stack([unit_circle(16), np.zeros(16)])
     rims = spheroids[:, None, :3] + spheroids[:, None, 3:4] * rim
     poles = spheroids[:, None, :3] + spheroids[:, None, 4:] * np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]])
     points = np.concatenate([rims, poles], axis=1).reshape(-1, 3)

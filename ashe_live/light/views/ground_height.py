@@ -78,17 +78,6 @@ class _Textured:
         return _Textured(view, np.asarray(fine - coarse, dtype=np.float32))
 
 
-def _homography(one: View, other: View, height_m: float) -> Float:
-    """(3, 3) from the pixels of one view to another's, through the plane that lies so far below the marker's."""
-    T_marker_ground = inverse_rigid(_above_ground(height_m))
-    return plane_homography(*(replace(each, T_cam_marker=each.T_cam_marker @ T_marker_ground) for each in (one, other)))
-
-
-def _above_ground(height_m: float) -> Float:
-    """(4, 4) from the marker's frame to that of the ground so far below its centre."""
-    return rigid(np.eye(3), [0.0, 0.0, height_m])
-
-
 def _moved_px_per_metre(one: _Textured, other: _Textured) -> float:
     """By how many pixels, root mean square, the other view shows the ground elsewhere, for each metre it is lower.
 
@@ -142,6 +131,12 @@ def _misfits(one: _Textured, other: _Textured, heights_m: Float) -> Float:
     return np.asarray(np.log1p((away / scale) ** 2).sum(axis=1, dtype=np.float64) / PIXELS_PER_SAMPLE)
 
 
+def _homography(one: View, other: View, height_m: float) -> Float:
+    """(3, 3) from the pixels of one view to another's, through the plane that lies so far below the marker's."""
+    T_marker_ground = inverse_rigid(_above_ground(height_m))
+    return plane_homography(*(replace(each, T_cam_marker=each.T_cam_marker @ T_marker_ground) for each in (one, other)))
+
+
 def seen_from_ground(tracked: TrackedFrame, height_m: float) -> TrackedFrame:
     """The frame with the ground below the marker's centre in the marker's place, that far below it."""
     return tracked if tracked.marker is None else with_moved_marker(tracked, _above_ground(height_m))
@@ -155,3 +150,8 @@ def seen_from_marker(illumination: Illumination, height_m: float) -> Illuminatio
         lights=tuple(moved_light(light, T_marker_ground) for light in illumination.lights),
         real_object=body and moved_body(body, T_marker_ground),
     )
+
+
+def _above_ground(height_m: float) -> Float:
+    """(4, 4) from the marker's frame to that of the ground so far below its centre."""
+    return rigid(np.eye(3), [0.0, 0.0, height_m])

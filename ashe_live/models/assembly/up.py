@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, unit_circle
 from ashe_live.models.assembly.geometry import RawMesh
 
 UPS = ("y", "z", "x", "-y", "-z", "-x")
@@ -70,9 +70,7 @@ def _standing(corners: Float, step: int, axis: int, lower: Float, extents: Float
     centre = share @ middles
     points = corners.reshape(-1, 3)
     support = points[points[:, axis] <= bottom][:, flat]
-    angles = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
-    around = np.column_stack([np.cos(angles), np.sin(angles)])
-    margin = float(((support - centre[flat]) @ around.T).max(axis=0).min())
+    margin = float(((support - centre[flat]) @ unit_circle(DIRECTIONS).T).max(axis=0).min())
     topples = math.atan2(margin, max(float(centre[axis] - lower[axis]), 1e-30))
     spread = ((middles - centre)[:, flat] * share[:, None]).T @ (middles - centre)[:, flat]
     least, most = np.linalg.eigvalsh(spread)

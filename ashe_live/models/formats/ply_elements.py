@@ -103,10 +103,6 @@ def _header(content: bytes) -> tuple[str, list[Element], int]:
     return order, elements, begin
 
 
-def _ended(element: Element) -> MalformedError:
-    return MalformedError(f"its header says element {element.name} {element.count}, and it ends before")
-
-
 def _fill_from_text(elements: list[Element], text: bytes) -> None:
     words = with_plain_nan(text).split()
     at = 0
@@ -152,6 +148,10 @@ def _fill_with_words(element: Element, words: list[bytes], at: int) -> int:
         else:
             element.lists[name] = Lists(np.array(counts[name], np.int64), values)
     return at
+
+
+def _ended(element: Element) -> MalformedError:
+    return MalformedError(f"its header says element {element.name} {element.count}, and it ends before")
 
 
 def _fill_from_bytes(element: Element, content: bytes, begin: int, order: str) -> int:

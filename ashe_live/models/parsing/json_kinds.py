@@ -34,16 +34,6 @@ class Required:
     kind: Kind
 
 
-def _shown(value: object) -> str:
-    match value:
-        case dict():
-            return "an object"
-        case list():
-            return f"a list of {len(value)}"
-        case _:
-            return printable(json.dumps(value), SHOWN_CHARACTERS)
-
-
 def object_of(fields: Mapping[str, Kind | Required]) -> Kind:
     def check(value: Any, counts: Mapping[str, int]) -> Json:
         if not isinstance(value, dict):
@@ -130,3 +120,13 @@ def one_of(choices: Collection[int | str]) -> Kind:
         return value
 
     return check
+
+
+def _shown(value: object) -> str:
+    match value:
+        case dict():
+            return "an object"
+        case list():
+            return f"a list of {len(value)}"
+        case _:
+            return printable(json.dumps(value), SHOWN_CHARACTERS)

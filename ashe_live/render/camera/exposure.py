@@ -41,9 +41,9 @@ def gain_and_slope(tracked: TrackedFrame, places: Float, before_rgb: Float) -> t
     By places (n, 2) of the marker's plane, metres, and how they were seen before (n, 3), linear RGB; None where too few
     are in the frame, which must have a marker.
     """
-    T = tracked.pose.T_cam_marker
+    T_cam_marker = tracked.pose.T_cam_marker
     points = np.column_stack([places, np.zeros(len(places))])
-    at = project_distorted(tracked.camera, T, points)
+    at = project_distorted(tracked.camera, T_cam_marker, points)
     inside = ((at > 1) & (at < np.array(tracked.frame.size) - 2)).all(axis=1)
     if inside.sum() < FEWEST_POINTS:
         return None

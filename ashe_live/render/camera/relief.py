@@ -68,13 +68,13 @@ class _Regions(NamedTuple):
 
 def _regions(tracked: TrackedFrame, proxy: Proxy, lighting: Lighting) -> _Regions | None:
     """None where too little of either is seen."""
-    size, T = tracked.frame.size, tracked.pose.T_cam_marker
+    size, T_cam_marker = tracked.frame.size, tracked.pose.T_cam_marker
     body = proxy.points_marker()
     cast = cast_by_point(body, lighting.lights[0].homogeneous)
     ground = np.column_stack([cast, np.zeros(len(cast))])
-    if min((points @ T[2, :3] + T[2, 3]).min() for points in (ground, body)) <= 1e-3:
+    if min((points @ T_cam_marker[2, :3] + T_cam_marker[2, 3]).min() for points in (ground, body)) <= 1e-3:
         return None
-    outline, body_px = (project_distorted(tracked.camera, T, points) for points in (ground, body))
+    outline, body_px = (project_distorted(tracked.camera, T_cam_marker, points) for points in (ground, body))
     near, far = round(OUTLINE_ERROR * size[0]), round(AROUND * size[0])
     left, top = np.clip(outline.min(axis=0) - far, 0, size).astype(int)
     right, bottom = np.clip(outline.max(axis=0) + far + 1, 0, size).astype(int)

@@ -45,14 +45,14 @@ def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, light: ShadingLig
     A camera's sharpening makes the marker's strong edges steeper than the weak ones of shadows, its denoising makes
     those softer, and a light of unknown size counts as a bare one.
     """
-    T = tracked.pose.T_cam_marker
+    T_cam_marker = tracked.pose.T_cam_marker
     body = proxy.points_marker()
     cast = cast_by_point(body, light.homogeneous)
     outline = cv2.convexHull(cast.astype(np.float32), returnPoints=False).ravel()
     ground = np.column_stack([cast[outline], np.zeros(len(outline))])
-    if len(outline) < 3 or (ground @ T[2, :3] + T[2, 3]).min() <= 1e-3:
+    if len(outline) < 3 or (ground @ T_cam_marker[2, :3] + T_cam_marker[2, 3]).min() <= 1e-3:
         return 0.0
-    corners = project_distorted(tracked.camera, T, ground)
+    corners = project_distorted(tracked.camera, T_cam_marker, ground)
     points, outwards = along_sides(corners, PLACES)
     above, below = _along(body[outline]), _along(ground)
     is_cast = above[:, 2] > FOOT * body[:, 2].max()
@@ -63,7 +63,7 @@ def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, light: ShadingLig
     profile = profile_at(grey, _on_border(grey, points, outwards), outwards, REACH_PX, ratio)
     if profile is None:
         return 0.0
-    radii = _penumbra_px(tracked.camera, T, below, above, light, outwards)[profile.used]
+    radii = _penumbra_px(tracked.camera, T_cam_marker, below, above, light, outwards)[profile.used]
     paper = PAPER_ALBEDO * float(np.array(white_of(tracked)) @ REC709_LUMINANCE)
     of_print = edge_blur_px(grey, tracked.pose.corners_px, paper)
     lens = math.sqrt(of_print**2 + BOX_VARIANCE_PX2 + INTERPOLATION_VARIANCE_PX2)

@@ -221,21 +221,21 @@ def _places(bounds_m: tuple[float, float, float, float], size: tuple[int, int]) 
 
 def _seen(tracked: TrackedFrame, sheet: SheetAsMade) -> Float32 | None:
     """(h, w, 3) logarithm of linear RGB, as exposed; None where part of the sheet is behind the camera."""
-    T, image = tracked.pose.T_cam_marker, tracked.frame.image_bgr
+    T_cam_marker, image = tracked.pose.T_cam_marker, tracked.frame.image_bgr
     height, width = sheet.relit.shape
     left, bottom, right, top = sheet.bounds_m
     corners = np.array([(left, bottom), (left, top), (right, bottom), (right, top)])
-    if (corners @ T[2, :2] + T[2, 3] <= 1e-3).any():
+    if (corners @ T_cam_marker[2, :2] + T_cam_marker[2, 3] <= 1e-3).any():
         return None
     if tracked.camera.is_distorted:
         places = sheet.places.reshape(-1, 2)
-        at = project_distorted(tracked.camera, T, np.column_stack([places, np.zeros(len(places))]))
+        at = project_distorted(tracked.camera, T_cam_marker, np.column_stack([places, np.zeros(len(places))]))
         at = at.reshape(height, width, 2).astype(np.float32)
         seen = cv2.remap(image, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     else:
         step = np.array([(right - left) / width, (bottom - top) / height])
         plane_from_texel = np.array([[step[0], 0, left + step[0] / 2], [0, step[1], top + step[1] / 2], [0, 0, 1]])
-        H = image_from_plane(tracked.camera, T) @ plane_from_texel
+        H = image_from_plane(tracked.camera, T_cam_marker) @ plane_from_texel
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         seen = cv2.warpPerspective(image, H, (width, height), flags=flags, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(LOG_OF_8BIT[seen[..., ::-1]], np.float32)

@@ -35,8 +35,8 @@ class Rectified:
 
 def rectified(tracked: TrackedFrame, illumination: Illumination, half_m: float, size: int) -> Rectified:
     """From -half_m to half_m in x and y, `size` pixels a side. The frame must have a marker."""
-    T, picture = tracked.pose.T_cam_marker, tracked.frame.image_bgr
-    at = _pixels(tracked.camera, T, half_m, size)
+    T_cam_marker, picture = tracked.pose.T_cam_marker, tracked.frame.image_bgr
+    at = _pixels(tracked.camera, T_cam_marker, half_m, size)
     width, height = tracked.frame.size
     is_seen = np.asarray(((at > 1) & (at < (width - 2, height - 2))).all(axis=2))
     image = cv2.remap(picture, at[..., 0], at[..., 1], cv2.INTER_CUBIC)
@@ -44,7 +44,7 @@ def rectified(tracked: TrackedFrame, illumination: Illumination, half_m: float, 
     shade, border = np.ones_like(linear), np.zeros(is_seen.shape, np.uint8)
     body = tracked.pose.body or illumination.real_object
     if body is not None:
-        hidden = _silhouette(body, tracked.camera, T)
+        hidden = _silhouette(body, tracked.camera, T_cam_marker)
         is_seen &= cv2.remap(hidden, at[..., 0], at[..., 1], cv2.INTER_NEAREST) == 0
         for light in illumination.lights:
             ratio = measured_ratio(light)

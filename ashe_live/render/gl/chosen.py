@@ -11,7 +11,7 @@ from contextlib import contextmanager
 import moderngl
 
 from ashe_live.core.camera import Size
-from ashe_live.render.gl.driver import clear_part
+from ashe_live.render.gl.driver import clear_part, within_scissor
 from ashe_live.render.gl.framing import Rectangle
 
 NOT_CHOSEN = 0.0  # a depth in front of which nothing can be drawn; `whole.vert` draws at the middle depth
@@ -48,15 +48,12 @@ class ChosenPixels:
 
     @contextmanager
     def _drawing(self, framebuffer: moderngl.Framebuffer, region: Rectangle, depth_func: str) -> Iterator[None]:
-        # moderngl tells OpenGL of a scissor only when the framebuffer is bound after it was set.
-        framebuffer.scissor = region
-        framebuffer.use()
-        self._ctx.viewport = (0, 0, *framebuffer.size)
-        self._ctx.enable_only(moderngl.DEPTH_TEST)
-        self._ctx.depth_func = depth_func
-        try:
-            yield
-        finally:
-            self._ctx.depth_func = "<"
-            self._ctx.enable_only(moderngl.NOTHING)
-            framebuffer.scissor = None  # type: ignore[assignment]  # moderngl's stub knows no "none"
+        with within_scissor(framebuffer, region):
+            self._ctx.viewport = (0, 0, *framebuffer.size)
+            self._ctx.enable_only(moderngl.DEPTH_TEST)
+            self._ctx.depth_func = depth_func
+            try:
+                yield
+            finally:
+                self._ctx.depth_func = "<"
+                self._ctx.enable_only(moderngl.NOTHING)

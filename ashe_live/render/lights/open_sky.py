@@ -60,8 +60,8 @@ def open_sky(seen_in: TrackedFrame, body: Proxy, lighting: Lighting, white_rgb: 
     in_shadow = np.array(lighting.sky)
     hull = _hull_of(body)
     shadow = shadow_hull_of_point(hull.points, lighting.lights[0].homogeneous)
-    T = seen_in.pose.T_cam_marker
-    eye = camera_centre(T)
+    T_cam_marker = seen_in.pose.T_cam_marker
+    eye = camera_centre(T_cam_marker)
     ground = _seen_shadow(hull, shadow, eye)
     albedo = _albedo_of(seen_in, hull, shadow, eye, lighting, white_rgb)
     if len(ground) < FEWEST or albedo is None:
@@ -102,12 +102,12 @@ def _albedo_of(
     seen_in: TrackedFrame, hull: _Hull, shadow: Float, eye: Float, lighting: Lighting, white_rgb: Float
 ) -> Float | None:
     """(3,) linear RGB: the median over what is seen of the object; None where too little of it is."""
-    T, camera = seen_in.pose.T_cam_marker, seen_in.camera
-    outline = project_distorted(camera, T, hull.points)
+    T_cam_marker, camera = seen_in.pose.T_cam_marker, seen_in.camera
+    outline = project_distorted(camera, T_cam_marker, hull.points)
     pixels = np.round(
         _grid(np.maximum(outline.min(axis=0), 0), np.minimum(outline.max(axis=0), np.array(camera.size) - 1))
     )
-    rays = np.column_stack([tangents_of_pixels(camera, pixels), np.ones(len(pixels))]) @ T[:3, :3]
+    rays = np.column_stack([tangents_of_pixels(camera, pixels), np.ones(len(pixels))]) @ T_cam_marker[:3, :3]
     rays /= np.linalg.norm(rays, axis=1)[:, None]
     far, normals = hull.entered(np.broadcast_to(eye, rays.shape), rays)
     seen = np.isfinite(far) & ((normals * rays).sum(axis=1) < -LEAST_FACING)

@@ -53,14 +53,14 @@ def lighting_in(illumination: Illumination) -> Lighting:
     return SeenLight.of(illumination.as_read).lighting_now(illumination)
 
 
-def _was_seen_in_shadow(of: Illumination) -> bool:
+def _was_seen_in_shadow(illumination: Illumination) -> bool:
     """Whether the sky's share is that which was read in the shadow of the real object, in one light.
 
     A known body's answer is that of the open sky, and a lamp's intensity says what the sky has at the marker's centre.
     """
-    assert of.seen_in is not None
+    assert illumination.seen_in is not None
     is_read = [
         light.shadow_rgb_ratio is not None and light.intensity_rgb_ratio is None and light.to_light_marker[2] > 0
-        for light in of.lights
+        for light in illumination.lights
     ]
-    return is_read == [True] and of.seen_in.pose.body is None
+    return is_read == [True] and illumination.seen_in.pose.body is None

@@ -18,16 +18,16 @@ UNCERTAIN = 0.002
 SPREAD = 0.3
 
 
-def steadied(of: Illumination) -> tuple[tuple[Light, ...], Float | None]:
+def steadied(illumination: Illumination) -> tuple[tuple[Light, ...], Float | None]:
     """The lights and the ambient ratio (3,), towards one for all channels where the ground shows too little."""
-    ground, ambient = of.ground_rgb, of.ambient_rgb_ratio
+    ground, ambient = illumination.ground_rgb, illumination.ambient_rgb_ratio
     if ground is None:
-        return of.lights, ambient
+        return illumination.lights, ambient
     lights = tuple(
         light
         if light.shadow_rgb_ratio is None
         else replace(light, shadow_rgb_ratio=steadied_ratio(light.shadow_rgb_ratio, ground))
-        for light in of.lights
+        for light in illumination.lights
     )
     return lights, None if ambient is None else steadied_ratio(ambient, ground)
 

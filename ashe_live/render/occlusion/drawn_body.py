@@ -29,21 +29,22 @@ def drawn_surface(body: Proxy, seen_in: TrackedFrame | None) -> Triangles:
     points, triangles = body.surface()
     if seen_in is None or seen_in.marker is None or seen_in.marker.body is not None or body.mesh is not None:
         return points, triangles
-    camera, T = seen_in.camera, seen_in.marker.T_cam_marker
-    if (points @ T[2, :3] + T[2, 3]).min() <= 1e-3:
+    camera, T_cam_marker = seen_in.camera, seen_in.marker.T_cam_marker
+    if (points @ T_cam_marker[2, :3] + T_cam_marker[2, 3]).min() <= 1e-3:
         return points, triangles
-    pixels = project_distorted(camera, T, points)
+    pixels = project_distorted(camera, T_cam_marker, points)
     hull = cv2.convexHull(pixels.astype(np.float32))[:, 0].astype(np.float64)
     outline = seen_outline(seen_in.frame.image_bgr, hull)
     if outline is None:
         return points, triangles
     size_px = np.sqrt(cv2.contourArea(hull.astype(np.float32)))
     points, triangles = _divided(points, pixels, triangles, FINEST * size_px)
-    pixels = project_distorted(camera, T, points)
+    pixels = project_distorted(camera, T_cam_marker, points)
     tangents = tangents_of_pixels(camera, pixels + _moved_px(outline, pixels))
-    depth = points @ T[2, :3] + T[2, 3]
-    moved = transform_points(inverse_rigid(T), np.column_stack([tangents, np.ones(len(tangents))]) * depth[:, None])
-    eye = inverse_rigid(T)[:3, 3]
+    depth = points @ T_cam_marker[2, :3] + T_cam_marker[2, 3]
+    T_marker_cam = inverse_rigid(T_cam_marker)
+    moved = transform_points(T_marker_cam, np.column_stack([tangents, np.ones(len(tangents))]) * depth[:, None])
+    eye = T_marker_cam[:3, 3]
     below = (moved[:, 2] < 0) & (points[:, 2] >= 0) & (eye[2] > 0)
     share = np.where(below, eye[2] / np.maximum(eye[2] - moved[:, 2], 1e-9), 1.0)[:, None]
     return eye + share * (moved - eye), triangles

@@ -63,13 +63,6 @@ def occlusion_steps(
         yield
 
 
-def _rounds() -> Iterator[Float]:
-    """(AT_ONCE, 3) each, of all directions: the sphere's upper half first, every round from its top to its rim."""
-    for half in np.split(directions_on_spiral(DIRECTIONS), 2):
-        count = len(half) // AT_ONCE
-        yield from (half[first::count] for first in range(count))
-
-
 def _found(
     ctx: moderngl.Context, programs: Programs, model: GpuModel, contact: ContactPatch
 ) -> Generator[None, None, Hidden]:
@@ -115,3 +108,10 @@ def _found(
         if on_model is not None:
             on_model.release()
         depth_map.release()
+
+
+def _rounds() -> Iterator[Float]:
+    """(AT_ONCE, 3) each, of all directions: the sphere's upper half first, every round from its top to its rim."""
+    for half in np.split(directions_on_spiral(DIRECTIONS), 2):
+        count = len(half) // AT_ONCE
+        yield from (half[first::count] for first in range(count))

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
 
 import cv2
 import moderngl
@@ -11,7 +10,7 @@ import numpy as np
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.render.gl.chosen import ChosenPixels
-from ashe_live.render.gl.driver import clear_part
+from ashe_live.render.gl.driver import clear_part, within_scissor
 from ashe_live.render.gl.framing import Rectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 
@@ -40,8 +39,16 @@ class Surface:
         self.chosen_layers = self.chosen.framebuffer(self.layers)  # its depth is also that of what is drawn
         # Without depth, for copies: OpenGL refuses to copy between depth buffers of different kinds.
         self._resolved = ctx.framebuffer(self.layers)
-        self._held: list[Any] = [self.colour, self.choice, self.chosen_colour, self.chosen_layers, self._resolved]
-        self._held += [self.chosen, self._colour, *self.layers]
+        self._held: list[moderngl.Framebuffer | moderngl.Renderbuffer | moderngl.Texture | ChosenPixels] = [
+            self.colour,
+            self.choice,
+            self.chosen_colour,
+            self.chosen_layers,
+            self._resolved,
+            self.chosen,
+            self._colour,
+            *self.layers,
+        ]
         self._many: tuple[moderngl.Framebuffer, moderngl.Framebuffer, moderngl.Framebuffer] | None = None
         if self.samples:
             many = [ctx.renderbuffer(size, samples=self.samples, dtype="f2") for _ in range(2)]
@@ -62,19 +69,15 @@ class Surface:
         drawn = self.chosen_layers if many is None else many[0]
         drawn.depth_mask = True
         clear_part(many[2] if many is not None and over_drawn else drawn, region)
-        # moderngl tells OpenGL of a scissor only when the framebuffer is bound after it was set.
-        drawn.scissor = region
-        drawn.use()
-        if many is not None and over_drawn:
-            self._ctx.copy_framebuffer(many[1], self._resolved)
-        try:
-            yield
-        finally:
-            if many is not None:
-                # Still within the scissor.
-                self._ctx.copy_framebuffer(self._resolved, many[1])
-            drawn.scissor = None  # type: ignore[assignment]  # moderngl's stub knows no "none"
-            self.colour.use()
+        with within_scissor(drawn, region):
+            if many is not None and over_drawn:
+                self._ctx.copy_framebuffer(many[1], self._resolved)
+            try:
+                yield
+            finally:
+                if many is not None:
+                    self._ctx.copy_framebuffer(self._resolved, many[1])
+                self.colour.use()
 
     def bind_layers(self) -> None:
         """For programs that read them as `added_light` and `removed`."""

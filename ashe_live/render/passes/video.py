@@ -1,10 +1,9 @@
 """The video in the background: uploaded once a frame, copied where the size fits, drawn scaled where it does not."""
 
-from typing import Any
-
 import cv2
 import moderngl
 import numpy as np
+from cv2.typing import MatLike
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
@@ -29,7 +28,7 @@ class Video:
         self._rectangle = WholeRectangle(ctx)
         self._texture: FrameTexture | None = None
         self._shown: TrackedFrame | None = None
-        self._lens: tuple[Camera, Camera, Any, Any] | None = None
+        self._lens: tuple[Camera, Camera, MatLike, MatLike] | None = None  # with the maps from the latter to the former
         self._pinhole: Camera | None = None
 
     def show(self, tracked: TrackedFrame, viewport: Rectangle, pinhole: Camera | None = None) -> None:

@@ -114,7 +114,15 @@ def calibrate(views: Sequence[BoardView], size: Size) -> CameraCalibration:
     _refuse_unknown(fit, sigma, size)
     camera = Camera(size, fit.K, fit.dist, "file")
     errors = np.array([_view_rms(view, camera) for view in views])
-    return CameraCalibration(camera, fit.rms_px, sigma[:2], sigma[2:4], sigma[4:], errors, used)
+    return CameraCalibration(
+        camera=camera,
+        rms_px=fit.rms_px,
+        sigma_f_px=sigma[:2],
+        sigma_c_px=sigma[2:4],
+        sigma_dist=sigma[4:],
+        view_rms_px=errors,
+        used=used,
+    )
 
 
 def _without_outliers(views: Sequence[BoardView], size: Size) -> tuple[Mask, _Fit, int]:

@@ -5,6 +5,7 @@ the pose.
 """
 
 import dataclasses
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from ashe_live.core.square import mean_side_px
 from ashe_live.tracking.edges.corner_errors import corrected, grown
 from ashe_live.tracking.edges.corners import LAST_REACH_PX, fitted_squares
 from ashe_live.tracking.edges.edge_profiles import Light, LightPatch
-from ashe_live.tracking.edges.print_alignment import Aligned, AlignedCorners, PrintAlignment, in_units
+from ashe_live.tracking.edges.print_alignment import AlignedCorners, AlignmentStep, PrintAlignment, in_units
 from ashe_live.tracking.edges.print_shade import Shade
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square
 
@@ -35,10 +36,15 @@ MOST_COVERED, LEAST_SEEN = 2, 3
 MOST_BENT = 0.12
 # Least linear light of white that counts as clipped: a camera's white balance, or its curve, may take as much from it.
 CLIPPED = 0.75
-# What `_verified` says where the print is not.
-NOTHING: tuple[FittedSquare | None, bool] = (None, False)
 # For each side, the indices of its two ends in corners.ravel() (x, y, x, y, ...), of the coordinate across the side.
 ACROSS_SIDES = np.array([(1, 3), (2, 4), (5, 7), (6, 0)])
+
+
+class _Verdict(NamedTuple):
+    """What is left of a square once it is compared with the print."""
+
+    square: FittedSquare | None  # without the sides that are not the print's; None where the print is not
+    is_whole: bool = False  # whether all sides are where the print's inside is
 
 
 def verified_square(
@@ -48,18 +54,19 @@ def verified_square(
 
     `view` and `samples` as in fitted_squares; `aligned_sigma` as the frame before had it.
     """
-    seen = _PrintSeen.within(square, view, alignment)
-    found, is_whole = _verified(square, seen, view, samples, aligned_sigma)
-    if is_whole:
-        return found
+    seen = _PrintSeen.within(square, view, alignment, samples)
+    verdict = _verified(square, seen, aligned_sigma)
+    if verdict.is_whole:
+        return verdict.square
     if (in_penumbra := seen.in_penumbra) is not None:
         # What covers a side or bends the paper may be the border of a shadow.
-        without, is_whole = _verified(square, in_penumbra, view, samples, aligned_sigma)
-        found = without if is_whole or found is None else found
-    return _overexposed(square, seen, view, samples) if found is None and seen.is_clipped else found
+        without_shadow = _verified(square, in_penumbra, aligned_sigma)
+        if without_shadow.is_whole or verdict.square is None:
+            verdict = without_shadow
+    return _overexposed(square, seen) if verdict.square is None and seen.is_clipped else verdict.square
 
 
-def _overexposed(square: FittedSquare, seen: "_PrintSeen", view: LightPatch, samples: int) -> FittedSquare | None:
+def _overexposed(square: FittedSquare, seen: "_PrintSeen") -> FittedSquare | None:
     """As `verified_square`, where white is clipped and so has grown: sides lie within the print's.
 
     Of the shares by which it may have grown that one counts which the edges inside confirm best.
@@ -67,7 +74,7 @@ def _overexposed(square: FittedSquare, seen: "_PrintSeen", view: LightPatch, sam
     best = None
     for share, alignment in seen.alignment.overexposed:
         whole = grown(square, share * seen.side_px)
-        found, is_whole = _verified(whole, _PrintSeen.within(whole, view, alignment), view, samples, 0.0)
+        found, is_whole = _verified(whole, _PrintSeen.within(whole, seen.view, alignment, seen.edge_samples), 0.0)
         if found is None or not is_whole or found.bleed_px is None:
             continue
         if best is None or best.bleed_px is None or abs(found.bleed_px) < abs(best.bleed_px):
@@ -75,47 +82,45 @@ def _overexposed(square: FittedSquare, seen: "_PrintSeen", view: LightPatch, sam
     return best
 
 
-def _verified(
-    square: FittedSquare, seen: "_PrintSeen", view: LightPatch, samples: int, aligned_sigma: float
-) -> tuple[FittedSquare | None, bool]:
-    """As `verified_square`, by what is `seen` within the square; and whether all sides are where its inside is."""
+def _verified(square: FittedSquare, seen: "_PrintSeen", aligned_sigma: float) -> _Verdict:
+    """As `verified_square`, by what is `seen` within the square."""
     alignment = seen.alignment
-    if leaves_frame(square, view):
-        return (square, True) if seen.is_print and square.sides_seen >= LEAST_SEEN else NOTHING
+    if leaves_frame(square, seen.view):
+        return _Verdict(square, True) if seen.is_print and square.sides_seen >= LEAST_SEEN else _Verdict(None)
     if not alignment.tells_place:
-        return (corrected(square, seen.bleed_px), True) if seen.is_print and square.sides_seen == 4 else NOTHING
+        is_print = seen.is_print and square.sides_seen == 4
+        return _Verdict(corrected(square, seen.bleed_px), True) if is_print else _Verdict(None)
     tolerance = max(TOLERANCE, square.curl_of_two_sides)
     step = alignment.look(seen.samples, seen.side_px, seen.shade)
     even = None if step is None else _confirmed(square, seen, step, tolerance, aligned_sigma)
     if even is not None:
-        return (dataclasses.replace(even, aligned_sigma=aligned_sigma), True) if seen.is_print else NOTHING
+        confirmed = dataclasses.replace(even, aligned_sigma=aligned_sigma)
+        return _Verdict(confirmed, True) if seen.is_print else _Verdict(None)
     # A single step did not confirm all sides, so that the inside is aligned to the end.
-    found = alignment.aligned(seen.blurred, square.corners_px, step, seen.shade)
-    if found is None or found.seen.inside < MIN_INSIDE:
-        return NOTHING
-    return _by_inside(square, found, seen, view, samples, tolerance)
+    inside = alignment.aligned(seen.blurred, square.corners_px, step, seen.shade)
+    if inside is None or inside.last.inside < MIN_INSIDE:
+        return _Verdict(None)
+    return _by_inside(square, inside, seen, tolerance)
 
 
-def _by_inside(
-    square: FittedSquare, found: AlignedCorners, seen: "_PrintSeen", view: LightPatch, samples: int, tolerance: float
-) -> tuple[FittedSquare | None, bool]:
-    """As `_verified`, by where the whole alignment has `found` the inside of the print."""
+def _by_inside(square: FittedSquare, inside: AlignedCorners, seen: "_PrintSeen", tolerance: float) -> _Verdict:
+    """As `_verified`, by where the whole alignment has the `inside` of the print."""
     alignment, is_print = seen.alignment, seen.is_print
-    square, off = _compared(square, found, tolerance)
+    square, off = _compared(square, inside, tolerance)
     if off.sum() > MOST_COVERED:
         # Edges other than the print's were measured, as those of its paper on a bright floor. Measure again where the
         # inside puts them.
-        (again,) = fitted_squares([view], [found.corners_px], samples, most_reach_px=LAST_REACH_PX)
+        (again,) = fitted_squares([seen.view], [inside.corners_px], seen.edge_samples, most_reach_px=LAST_REACH_PX)
         if again is not None:
-            square, off = _compared(again, found, tolerance)
+            square, off = _compared(again, inside, tolerance)
             is_print = alignment.is_print(alignment.sampled(seen.blurred, square.corners_px, seen.shade))
     if off.any() and off.sum() <= MOST_COVERED:
-        return _without_covered(square, found, off), False
+        return _Verdict(_without_covered(square, inside, off))
     if not is_print:
-        return NOTHING
+        return _Verdict(None)
     if not off.any():
-        return dataclasses.replace(square, aligned_sigma=found.seen.sigma), True
-    return _as_bent(square, found, MOST_BENT * seen.side_px), False
+        return _Verdict(dataclasses.replace(square, aligned_sigma=inside.last.sigma), True)
+    return _Verdict(_as_bent(square, inside, MOST_BENT * seen.side_px))
 
 
 @dataclasses.dataclass(frozen=True, slots=True, eq=False)
@@ -123,6 +128,8 @@ class _PrintSeen:
     """What the picture shows within a square that may be the print."""
 
     alignment: PrintAlignment
+    view: LightPatch
+    edge_samples: int  # along each side, where its edge is measured
     blurred: LightPatch
     shaded: Light  # (n, n) samples as they are
     samples: Light  # (n, n) without the shade
@@ -130,10 +137,19 @@ class _PrintSeen:
     side_px: float
 
     @staticmethod
-    def within(square: FittedSquare, view: LightPatch, alignment: PrintAlignment) -> "_PrintSeen":
+    def within(square: FittedSquare, view: LightPatch, alignment: PrintAlignment, edge_samples: int) -> "_PrintSeen":
         blurred = alignment.blurred(view, square.corners_px)
-        samples = alignment.sampled(blurred, square.corners_px)
-        seen = _PrintSeen(alignment, blurred, samples, samples, None, mean_side_px(square.corners_px))
+        samples, side_px = alignment.sampled(blurred, square.corners_px), mean_side_px(square.corners_px)
+        seen = _PrintSeen(
+            alignment=alignment,
+            view=view,
+            edge_samples=edge_samples,
+            blurred=blurred,
+            shaded=samples,
+            samples=samples,
+            shade=None,
+            side_px=side_px,
+        )
         return seen.without(alignment.shade.on(samples))
 
     def without(self, shade: Shade | None) -> "_PrintSeen":
@@ -163,7 +179,7 @@ class _PrintSeen:
 
 
 def _confirmed(
-    square: FittedSquare, seen: _PrintSeen, step: Aligned, tolerance: float, aligned_sigma: float
+    square: FittedSquare, seen: _PrintSeen, step: AlignmentStep, tolerance: float, aligned_sigma: float
 ) -> FittedSquare | None:
     """The square corrected for bleeding, if a single step of its alignment is certain and moves no side; else None."""
     # Where the print is elsewhere, it explains the samples badly, and a single step is uncertain.
@@ -172,33 +188,33 @@ def _confirmed(
     if square.sides_seen < 4 or not (is_sure or is_as_aligned):
         return None
     even = corrected(square, seen.bleed_px if is_sure else step.bleed_px)
-    left = step.step - in_units(even.corners_px, square.corners_px)
+    left = step.shift - in_units(even.corners_px, square.corners_px)
     return None if _off(left, step, tolerance).any() else even
 
 
-def _compared(square: FittedSquare, found: AlignedCorners, tolerance: float) -> tuple[FittedSquare, Mask]:
+def _compared(square: FittedSquare, inside: AlignedCorners, tolerance: float) -> tuple[FittedSquare, Mask]:
     """The square corrected for bleeding; and (4,) which of its sides are unseen, or not where the inside puts them."""
-    even = corrected(square, found.seen.bleed_px)
-    return even, _off(in_units(found.corners_px, even.corners_px), found.seen, tolerance) | ~even.seen
+    even = corrected(square, inside.last.bleed_px)
+    return even, _off(in_units(inside.corners_px, even.corners_px), inside.last, tolerance) | ~even.seen
 
 
-def _without_covered(square: FittedSquare, found: AlignedCorners, off: Mask) -> FittedSquare | None:
+def _without_covered(square: FittedSquare, inside: AlignedCorners, off: Mask) -> FittedSquare | None:
     """The square by its inside and the sides that are not `off` (4,); None if the result is no square."""
     sides = square.by_side[~off].sum(axis=0)
-    total = sides + found.information
+    total = sides + inside.information
     corners = np.linalg.solve(
-        total, sides @ square.corners_px.ravel() + found.information @ found.corners_px.ravel()
+        total, sides @ square.corners_px.ravel() + inside.information @ inside.corners_px.ravel()
     ).reshape(4, 2)
     if not is_front_of_square(corners):
         return None
     by_side = square.by_side.copy()
-    by_side[off] = found.information / off.sum()
+    by_side[off] = inside.information / off.sum()
     return dataclasses.replace(square, corners_px=corners, by_side=by_side, seen=~off)
 
 
-def _as_bent(square: FittedSquare, found: AlignedCorners, most_px: float) -> FittedSquare | None:
+def _as_bent(square: FittedSquare, inside: AlignedCorners, most_px: float) -> FittedSquare | None:
     """The square with a larger uncertainty, if all of it is seen and the paper may just be bent; see MOST_BENT."""
-    astray_px = float(np.linalg.norm(found.corners_px - square.corners_px, axis=1).max())
+    astray_px = float(np.linalg.norm(inside.corners_px - square.corners_px, axis=1).max())
     if square.sides_seen < 4 or astray_px > most_px:
         return None
     return dataclasses.replace(square, by_side=_no_surer(square.by_side, astray_px))
@@ -218,8 +234,7 @@ def leaves_frame(square: FittedSquare, view: LightPatch) -> bool:
     return bool(((source_px < 0) | (source_px > np.subtract(view.camera.size, 1))).any())
 
 
-def _off(step: Float, seen: Aligned, tolerance: float) -> Mask:
-    """(4,) whether a `step` of the corners moves each side by more than its tolerance."""
-    sigmas = np.sqrt(np.diag(seen.covariance))
-    allowed = tolerance + SIGMAS * sigmas
-    return np.asarray((np.abs(step.ravel()) > allowed)[ACROSS_SIDES].any(axis=1))
+def _off(shift: Float, step: AlignmentStep, tolerance: float) -> Mask:
+    """(4,) whether a `shift` (4, 2) of the corners, in sides, moves each side by more than its tolerance."""
+    allowed = tolerance + SIGMAS * np.sqrt(np.diag(step.covariance))
+    return np.asarray((np.abs(shift.ravel()) > allowed)[ACROSS_SIDES].any(axis=1))

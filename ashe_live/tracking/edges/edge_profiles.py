@@ -70,17 +70,6 @@ class LightPatch:
         return np.asarray(values, dtype=np.float32).reshape(x_px.shape)
 
 
-def _rises_from_black(values: Light) -> Light:
-    """(ACROSS - 1, ...) how steep the light (ACROSS, ...) rises, the more the nearer to its darkest.
-
-    Of several rises the border's is the one from black. A floor in the sun is steeper above its paper than paper in the
-    shade above its ink, in linear light; so the steps are compared in a curve like the eye's.
-    """
-    seen = np.sqrt(np.maximum(values, 0))
-    before, after = seen[:-1], seen[1:]
-    return np.asarray((after - before) * (2 * seen.max(axis=0) - before - after))
-
-
 def edge_offsets(values: Light, reaches_px: Float, spreads_px: Float) -> tuple[Float, Float, Float]:
     """How far outwards the edge lies, in pixels, whether there is one, as 0 or 1, and each side's blur.
 
@@ -110,3 +99,14 @@ def edge_offsets(values: Light, reaches_px: Float, spreads_px: Float) -> tuple[F
     away = centres - (steep * centres).sum(axis=0) / np.maximum(steep.sum(axis=0), TINY)
     squared = (steep * away * away).sum(axis=(0, 2)) / np.maximum(steep.sum(axis=(0, 2)), TINY)
     return offsets * spreads_px[:, None], is_edge.astype(np.float64), np.sqrt(squared) * spreads_px
+
+
+def _rises_from_black(values: Light) -> Light:
+    """(ACROSS - 1, ...) how steep the light (ACROSS, ...) rises, the more the nearer to its darkest.
+
+    Of several rises the border's is the one from black. A floor in the sun is steeper above its paper than paper in the
+    shade above its ink, in linear light; so the steps are compared in a curve like the eye's.
+    """
+    seen = np.sqrt(np.maximum(values, 0))
+    before, after = seen[:-1], seen[1:]
+    return np.asarray((after - before) * (2 * seen.max(axis=0) - before - after))

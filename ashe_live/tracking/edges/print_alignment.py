@@ -47,11 +47,11 @@ OUTWARDS = np.sign(UNIT - 0.5)
 
 
 @dataclass(frozen=True, slots=True)
-class Aligned:
-    """One alignment step, from the samples within a square."""
+class AlignmentStep:
+    """One step of the alignment, by the samples within a square."""
 
-    step: Float  # (4, 2) by which the corners are wrong, in units of the print's side, x right, y down
-    covariance: Float  # (8, 8) of step.ravel()
+    shift: Float  # (4, 2) from the square's corners towards the print's, in units of the print's side, x right, y down
+    covariance: Float  # (8, 8) of shift.ravel()
     sigma: float  # the largest standard deviation in it
     inside: float  # correlation in [-1, 1] of the samples inside the border with the print
     bleed_px: float | None  # displacement of all edges towards white; None where it cannot be measured
@@ -84,7 +84,7 @@ class AlignedCorners(NamedTuple):
 
     corners_px: Float  # (4, 2) ideal pixels
     information: Float  # (8, 8) inverse covariance of corners_px.ravel(), 1 / px^2
-    seen: Aligned  # the last look
+    last: AlignmentStep
 
 
 class PrintAlignment(PrintLikeness):
@@ -153,7 +153,7 @@ class PrintAlignment(PrintLikeness):
         variance = self._variance(inside - columns @ coefficients, len(coefficients), side_px) / gain**2
         return self._believed_px(float(coefficients[4]) / gain, variance * spread, side_px)
 
-    def look(self, samples: Light, side_px: float, shade: Shade | None = None) -> Aligned | None:
+    def look(self, samples: Light, side_px: float, shade: Shade | None = None) -> AlignmentStep | None:
         """One step from samples taken where the print is thought to be; None where nothing of it is seen.
 
         shade: that was removed from the samples, whose edge says nothing.
@@ -169,7 +169,7 @@ class PrintAlignment(PrintLikeness):
             return None
         variance = self._variance(inside - linear.columns @ coefficients, len(coefficients), side_px) / gain**2
         own = normalised(linear.columns[:, 0])
-        return Aligned(
+        return AlignmentStep(
             (coefficients[1:9] / gain).astype(np.float64).reshape(4, 2),
             variance * linear.spread[1:9, 1:9],
             math.sqrt(variance * linear.largest_spread),
@@ -191,25 +191,25 @@ class PrintAlignment(PrintLikeness):
         return math.copysign(max(abs(bleed) - self._edge_error, 0.0), bleed) * side_px
 
     def aligned(
-        self, view: LightPatch, corners_px: Float, seen: Aligned | None, shade: Shade | None = None
+        self, view: LightPatch, corners_px: Float, first: AlignmentStep | None, shade: Shade | None = None
     ) -> AlignedCorners | None:
         """From near `corners_px` (4, 2) to where the inside of the print has them; None where it leads nowhere.
 
-        `view` as from `blurred`; `seen`: what `look` says of the samples within `corners_px`; `shade` as in `sampled`.
+        `view` as from `blurred`; `first`: what `look` says of the samples within `corners_px`; `shade` as in `sampled`.
         """
-        corners = corners_px
+        corners, step = corners_px, first
         for _ in range(STEPS):
-            if seen is None:
+            if step is None:
                 return None
-            largest = float(np.abs(seen.step).max())
-            corners, by_unit = _moved(corners, seen.step * min(1.0, LARGE_STEP / max(largest, 1e-12)))
+            largest = float(np.abs(step.shift).max())
+            corners, by_unit = _moved(corners, step.shift * min(1.0, LARGE_STEP / max(largest, 1e-12)))
             if not is_front_of_square(corners):
                 return None
             if largest < SMALL_STEP:
-                covariance = by_unit @ seen.covariance @ by_unit.T
+                covariance = by_unit @ step.covariance @ by_unit.T
                 information = np.linalg.inv(covariance + MIN_SIGMA_PX**2 * np.eye(8))
-                return AlignedCorners(corners, np.asarray(information, dtype=np.float64), seen)
-            seen = self.look(self.sampled(view, corners, shade), mean_side_px(corners), shade)
+                return AlignedCorners(corners, np.asarray(information, dtype=np.float64), step)
+            step = self.look(self.sampled(view, corners, shade), mean_side_px(corners), shade)
         return None
 
 
@@ -231,10 +231,10 @@ def in_units(corners_px: Float, others_px: Float) -> Float:
     return np.asarray(there[:, :2] / there[:, 2:] - UNIT)
 
 
-def _moved(corners_px: Float, step: Float) -> tuple[Float, Float]:
-    """Corners after a step in units of the print, and the (8, 8) derivatives of pixels by such units."""
+def _moved(corners_px: Float, shift: Float) -> tuple[Float, Float]:
+    """Corners after a `shift` in units of the print, and the (8, 8) derivatives of pixels by such units."""
     H = cv2.getPerspectiveTransform(UNIT.astype(np.float32), corners_px.astype(np.float32))
-    there = np.column_stack([UNIT + step, np.ones(4)]) @ H.T
+    there = np.column_stack([UNIT + shift, np.ones(4)]) @ H.T
     derivatives = np.zeros((8, 8))
     for corner, (x, y, w) in enumerate(np.column_stack([UNIT, np.ones(4)]) @ H.T):
         block = slice(2 * corner, 2 * corner + 2)

@@ -25,7 +25,7 @@ class FittedSquare:
     bows: Float | None = None  # (4,) sagittas of the sides over their lengths; None: edges were not measured
     correlated_px: float = 0.0  # standard deviation of a side's ends due to scatter that is correlated along it
     bleed_px: float | None = None  # outward displacement of all sides, taken out of corners_px; None: unknown
-    aligned_sigma: float = 0.0  # `Aligned.sigma` when the print was last aligned and no side was off; 0: never
+    aligned_sigma: float = 0.0  # `AlignmentStep.sigma` when the print was last aligned and no side was off; 0: never
 
     @classmethod
     def guessed(cls, corners_px: Float, sigma_px: float) -> "FittedSquare":

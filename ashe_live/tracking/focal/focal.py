@@ -79,14 +79,6 @@ class _View:
         return math.hypot(moved / PLACE_SCALE, resized / SIZE_SCALE, turned / TURN_SCALE_RAD)
 
 
-def _is_measured(marker: MarkerPose, camera: Camera) -> bool:
-    """False if the corners follow from the pose, as for a marker half outside the picture, or one of several."""
-    predicted_px = source_from_ideal(
-        camera, project(camera, marker.measured_T_cam_marker, square_corners(marker.side_m))
-    )
-    return bool(np.abs(predicted_px - marker.corners_px).max() > LEAST_RESIDUAL_PX)
-
-
 class FocalEstimator:
     """Collects views of one marker that differ from each other, and fits the focal length to them from time to time."""
 
@@ -134,3 +126,11 @@ class FocalEstimator:
             return None
         sigma = math.hypot(CAUTION * fit.relative_sigma, SYSTEMATIC) * fit.focal_px
         return FocalEstimate(self._size, fit.focal_px, sigma, len(self._views))
+
+
+def _is_measured(marker: MarkerPose, camera: Camera) -> bool:
+    """False if the corners follow from the pose, as for a marker half outside the picture, or one of several."""
+    predicted_px = source_from_ideal(
+        camera, project(camera, marker.measured_T_cam_marker, square_corners(marker.side_m))
+    )
+    return bool(np.abs(predicted_px - marker.corners_px).max() > LEAST_RESIDUAL_PX)

@@ -16,7 +16,6 @@ from ashe_live.render.lights.lighting import angular_size, lighting_of
 EASED_OVER_S = 0.3
 # A light farther than this from every former one is not reached by moving one: the old one fades out, the new one in.
 SAME_LIGHT_COSINE = math.cos(math.radians(60))
-LEAST_REST = 1e-6  # share of all other light by which a lamp's is divided
 
 
 class LightEasing:
@@ -80,7 +79,7 @@ def _lights_between(start: list[tuple[Light, Float]], end: list[tuple[Light, Flo
     for light, of_ground in end:
         cosines = [float(other.to_light_marker @ light.to_light_marker) for other, _ in left]
         if max(cosines, default=-1.0) < SAME_LIGHT_COSINE:
-            yield _giving(light, share * of_ground)
+            yield light.with_ground_share(share * of_ground)
             continue
         near, by_near = left.pop(cosines.index(max(cosines)))
         direction = normalised((1 - share) * near.to_light_marker + share * light.to_light_marker)
@@ -92,16 +91,9 @@ def _lights_between(start: list[tuple[Light, Float]], end: list[tuple[Light, Flo
             angular_size_rad=_mix(angular_size(near), angular_size(light), share),
             radius_m=None,
         )
-        yield _giving(moved, (1 - share) * by_near + share * of_ground)
+        yield moved.with_ground_share((1 - share) * by_near + share * of_ground)
     for light, of_ground in left:
-        yield _giving(light, (1 - share) * of_ground)
-
-
-def _giving(light: Light, of_ground: Float) -> Light:
-    """The light with this share (3,) of level ground's light, stated as it was measured, which it is drawn by."""
-    if light.intensity_rgb_ratio is None:
-        return replace(light, shadow_rgb_ratio=1 - of_ground)
-    return replace(light, intensity_rgb_ratio=of_ground / np.maximum(1 - of_ground, LEAST_REST))
+        yield light.with_ground_share((1 - share) * of_ground)
 
 
 def _mix(start: float, end: float, share: float) -> float:

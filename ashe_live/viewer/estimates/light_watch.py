@@ -13,7 +13,15 @@ from ashe_live.light.live.comparable import fits
 from ashe_live.light.live.held_answer import HeldAnswer
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.worker import LightWorker, Outcome
-from ashe_live.light.live.worker_messages import Draw, Estimated, EstimateTask, Followed, OtherScene, WorkerFailure
+from ashe_live.light.live.worker_messages import (
+    Draw,
+    Estimated,
+    EstimateTask,
+    Followed,
+    OtherScene,
+    Unchanged,
+    WorkerFailure,
+)
 from ashe_live.viewer.estimates.brightness import Brightness
 from ashe_live.viewer.estimates.held_empty_table import HeldEmptyTable
 from ashe_live.viewer.estimates.sharpening import EVERY_S, Sharpening
@@ -186,39 +194,38 @@ class LightWatch:
 
     def _taken(self, outcome: Outcome) -> NewAnswer | WorkerFailure | None:
         """The answer from now on, by what the worker has found; None where the one before stands."""
-        assert self._frozen is not None
-        if isinstance(outcome, WorkerFailure):
-            self.sharpening.answered(False)
-            return outcome
-        if isinstance(outcome, OtherScene):
-            self._doubted = self._frozen
-            # By its number: of a large picture the view is a smaller copy.
-            number = self._frozen.frame.index
-            self.key_views.drop([view for view in self.key_views.views if view.frame.index == number])
-            return None
-        if isinstance(outcome, Estimated) and outcome.shows_empty_table:
-            self.empty_table.found(self._frozen)
-        estimate: LightEstimate | None = None
-        steps_bgr: Image | None = None
-        is_in_doubt = False
+        frozen = self._frozen
+        assert frozen is not None
+        is_in_doubt, steps_bgr = False, None
         match outcome:
-            case Followed(estimate):
-                self.held.move_to(self._frozen)
-                self.held.follow(estimate)
+            case WorkerFailure():
+                self.sharpening.answered(False)
+                return outcome
+            case OtherScene():
+                self._doubted = frozen
+                # By its number: of a large picture the view is a smaller copy.
+                number = frozen.frame.index
+                self.key_views.drop([view for view in self.key_views.views if view.frame.index == number])
+                return None
+            case Followed():
+                self.held.move_to(frozen)
+                self.held.follow(outcome.estimate)
                 self.sharpening.verified()
-            case Estimated(estimate, steps_bgr):
-                self.held.move_to(self._frozen)
-                is_in_doubt = self._offer(outcome)
+            case Estimated():
+                if outcome.shows_empty_table:
+                    self.empty_table.found(frozen)
+                self.held.move_to(frozen)
+                is_in_doubt, steps_bgr = self._offer(outcome), outcome.picture_bgr
         # While a hand is before the camera, no view shows what it shows; they are of use again when it has gone.
         if not is_in_doubt:
             self._doubted = None
             self.key_views.drop([self._others[place] for place in outcome.outdated])
-        if estimate is None or estimate is not self.held.estimate:
+        if isinstance(outcome, Unchanged) or outcome.estimate is not self.held.estimate:
             return None
         if isinstance(outcome, Estimated):
             self._is_over_empty_table = outcome.is_over_empty_table
         is_news, is_over_empty = self.held.is_news, self._is_over_empty_table
-        return NewAnswer(estimate, self._frozen, self._asked_s, steps_bgr, is_news, is_over_empty)
+        return NewAnswer(outcome.estimate, frozen, self._asked_s, steps_bgr, is_news, is_over_empty)
 
     def _offer(self, new: Estimated) -> bool:
         """Offers an estimate to the held answer; returns whether it may be of a scene with a hand in it."""

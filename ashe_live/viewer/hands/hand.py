@@ -44,9 +44,9 @@ NEEDS_MARKER = "no marker in view: without it nobody knows where the table is"
 class HandContext:
     """The context of a request by hand: the frame that is shown, the estimated light and the model."""
 
-    tracked: TrackedFrame | None
+    tracked: TrackedFrame  # with a marker
     illumination: Illumination  # as estimated
-    model: PlacedModel | None
+    model: PlacedModel
     anchor: Placement = UNMOVED  # the model's own place on the table, which its placement is relative to
 
     def at_anchor(self, vector: Float) -> Float:
@@ -87,8 +87,11 @@ class Hand:
     def reset(self) -> None:
         self.set_light, self.placement, self._held = None, UNMOVED, None
 
-    def obey(self, request: Request, context: HandContext) -> str | None:
-        """Changes light or model as the request asks; returns a message when that is not possible."""
+    def obey(self, request: Request, context: HandContext | None) -> str | None:
+        """Changes light or model as the request asks; returns a message when that is not possible.
+
+        context: None while no marker is in view.
+        """
         match request:
             case Request(Command.SCALE_MODEL, int() | float() as notches):
                 return self._scale(notches)
@@ -96,24 +99,23 @@ class Hand:
                 turned = (self.placement.turn_rad + notches * TURN_STEP_RAD) % math.tau
                 self.placement = replace(self.placement, turn_rad=turned)
                 return None
-        tracked = context.tracked
-        if tracked is None or tracked.marker is None:
+        if context is None:
             return NEEDS_MARKER
         match request:
             case Request(Command.LIGHT_STRENGTH | Command.LIGHT_SOFTNESS | Command.LIGHT_COLOUR, int() as notches):
-                return self._change_light(tracked, context, request.command, notches)
+                return self._change_light(context, request.command, notches)
             case Request(Command.LIGHT_DISTANCE, int() | float() as notches):
-                return self._change_distance(tracked, context, notches)
+                return self._change_distance(context, notches)
             case Request(Command.MOVE_LIGHT, (right, up)):
-                self._step_light(tracked, context, right, up)
+                self._step_light(context, right, up)
             case Request(Command.MOVE_LIGHT, Drag() as drag):
-                self._drag_light(tracked, context, drag)
+                self._drag_light(context, drag)
             case Request(Command.MOVE_MODEL, (right, up)):
-                to_right, away = picture_axes(tracked)
-                step = MOVE_STEP_SIDES * tracked.marker.side_m
-                self._move(tracked, self.placement.shift_m + context.at_anchor(step * (right * to_right + up * away)))
+                to_right, away = picture_axes(context.tracked)
+                step = MOVE_STEP_SIDES * context.tracked.pose.side_m
+                self._move(context, self.placement.shift_m + context.at_anchor(step * (right * to_right + up * away)))
             case Request(Command.MOVE_MODEL, Drag() as drag):
-                self._drag_model(tracked, context, drag)
+                self._drag_model(context, drag)
         return None
 
     def _scale(self, notches: float) -> str | None:
@@ -124,48 +126,47 @@ class Hand:
             return None
         return f"the model goes from {100 * SMALLEST:.0f} % to {100 * LARGEST:.0f} % of its size"
 
-    def _move(self, tracked: TrackedFrame, to_m: Float) -> None:
-        length, longest = float(np.linalg.norm(to_m)), FARTHEST_SIDES * tracked.pose.side_m
+    def _move(self, context: HandContext, to_m: Float) -> None:
+        length, longest = float(np.linalg.norm(to_m)), FARTHEST_SIDES * context.tracked.pose.side_m
         x, y = to_m * min(1.0, longest / max(length, longest))
         self.placement = replace(self.placement, shift_m=(float(x), float(y)))
 
-    def _drag_model(self, tracked: TrackedFrame, context: HandContext, drag: Drag) -> None:
+    def _drag_model(self, context: HandContext, drag: Drag) -> None:
         if drag.is_first:
-            point = ground_at(tracked, drag.begin_px)
+            point = ground_at(context.tracked, drag.begin_px)
             self._held = None if point is None else (point, np.array(self.placement.shift_m))
-        now = ground_at(tracked, drag.now_px)
+        now = ground_at(context.tracked, drag.now_px)
         if self._held is not None and now is not None:
             point, shift_m = self._held
-            self._move(tracked, shift_m + context.at_anchor(now - point))
+            self._move(context, shift_m + context.at_anchor(now - point))
 
-    def _step_light(self, tracked: TrackedFrame, context: HandContext, right: float, up: float) -> None:
-        base = self._light_to_move(tracked, context)
+    def _step_light(self, context: HandContext, right: float, up: float) -> None:
+        base = self._light_to_move(context)
         azimuth, elevation = angles_from_direction(base.lights[0].to_light_marker)
         elevation = min(max(elevation + up * LIGHT_STEP_RAD, LOWEST_RAD), HIGHEST_RAD)
-        self._turn_light(tracked, base, direction_from_angles(azimuth + right * LIGHT_STEP_RAD, elevation))
+        self._turn_light(context, base, direction_from_angles(azimuth + right * LIGHT_STEP_RAD, elevation))
 
-    def _drag_light(self, tracked: TrackedFrame, context: HandContext, drag: Drag) -> None:
+    def _drag_light(self, context: HandContext, drag: Drag) -> None:
         """The end of the model's shadow follows the mouse; if it is outside the picture it jumps to the mouse first."""
-        base = self._light_to_move(tracked, context)
+        base = self._light_to_move(context)
         standing = context.anchor @ self.placement
         foot = np.array(standing.shift_m)
-        height = LEAST_HEIGHT_SIDES * tracked.pose.side_m
-        if context.model is not None:
-            height = max(height, float(context.model.bounds[1, 2])) * standing.scale
+        least_height = LEAST_HEIGHT_SIDES * context.tracked.pose.side_m
+        height = max(least_height, float(context.model.bounds[1, 2])) * standing.scale
         if drag.is_first:
             end = shadow_of(base.lights[0], foot, height)
-            end_px = None if end is None else pixel_of(tracked, end)
+            end_px = None if end is None else pixel_of(context.tracked, end)
             self._shadow_end_px = drag.begin_px if end_px is None else end_px
-        end_now = ground_at(tracked, _brought(drag, self._shadow_end_px))
+        end_now = ground_at(context.tracked, _brought(drag, self._shadow_end_px))
         if end_now is None:
             return
         to_light = light_through(end_now, foot, height, base.lights[0].inverse_distance)
         if to_light is not None:
-            self._turn_light(tracked, base, to_light)
+            self._turn_light(context, base, to_light)
 
-    def _change_light(self, tracked: TrackedFrame, context: HandContext, command: Command, notches: int) -> str:
+    def _change_light(self, context: HandContext, command: Command, notches: int) -> str:
         """Strength, softness or colour of the strongest light; returns what it is now."""
-        base = self._light_to_move(tracked, context)
+        base = self._light_to_move(context)
         light = base.lights[0]
         size = angular_size(light)
         # How often the light is dimmed in its shadow, as exponents: 0 casts none.
@@ -179,7 +180,7 @@ class Hand:
         ratio = np.clip(np.exp(-depth), FAINTEST, 1 - FAINTEST)
         changed = replace(light.with_angular_size(size), shadow_rgb_ratio=ratio, intensity_rgb_ratio=None)
         # The measured ambient light is the shadow's ratio seen otherwise: kept, it would undo the change.
-        self._replace_strongest(tracked, base, changed, None)
+        self._replace_strongest(context, base, changed, None)
         if command is Command.LIGHT_SOFTNESS:
             return f"light: {math.degrees(size):.1f}° wide (the sun is {math.degrees(SUN_ANGULAR_SIZE_RAD):.1f}°)"
         share = 100 * (1 - ratio)
@@ -188,11 +189,11 @@ class Hand:
         red, green, blue = (f"{value:.0f} %" for value in share)
         return f"light: {red} of the red, {green} of the green and {blue} of the blue on the table"
 
-    def _change_distance(self, tracked: TrackedFrame, context: HandContext, notches: float) -> str:
+    def _change_distance(self, context: HandContext, notches: float) -> str:
         """Moves the strongest light nearer or farther; at the marker it stays as large and strong. Says where it is."""
-        base = self._light_to_move(tracked, context)
+        base = self._light_to_move(context)
         light = base.lights[0]
-        farthest, nearest = (sides * tracked.pose.side_m for sides in (FARTHEST_LAMP_SIDES, NEAREST_LAMP_SIDES))
+        farthest, nearest = (sides * context.tracked.pose.side_m for sides in (FARTHEST_LAMP_SIDES, NEAREST_LAMP_SIDES))
         was_lamp = light.inverse_distance > 0
         distance = min(1 / light.inverse_distance, farthest) if was_lamp else farthest
         radius = distance * math.tan(angular_size(light) / 2)
@@ -207,32 +208,31 @@ class Hand:
             radius = min(radius, distance * math.tan(SOFTEST_RAD / 2))
             changed = replace(light, inverse_distance=1 / distance).with_angular_size(2 * math.atan(radius / distance))
             said = f"a lamp, {100 * distance:.0f} cm from the marker"
-        self._replace_strongest(tracked, base, changed, base.ambient_rgb_ratio)
+        self._replace_strongest(context, base, changed, base.ambient_rgb_ratio)
         return f"light: {said}"
 
-    def _light_to_move(self, tracked: TrackedFrame, context: HandContext) -> Illumination:
+    def _light_to_move(self, context: HandContext) -> Illumination:
         """The illumination that was set last, or else the estimated one, or else a default."""
         if self.light is not None:
             return self.light
         if context.illumination.lights:
             return context.illumination
-        right, _ = picture_axes(tracked)
+        right, _ = picture_axes(context.tracked)
         first = direction_from_angles(math.atan2(-right[1], -right[0]), FIRST_ELEVATION_RAD)
         return Illumination(seen_in=context.illumination.seen_in).relit((Light(first),), None)
 
-    def _turn_light(self, tracked: TrackedFrame, base: Illumination, to_light: Float) -> None:
+    def _turn_light(self, context: HandContext, base: Illumination, to_light: Float) -> None:
         """Turns the strongest light of `base`; measured colours are kept."""
-        self._replace_strongest(
-            tracked, base, replace(base.lights[0], to_light_marker=to_light), base.ambient_rgb_ratio
-        )
+        turned = replace(base.lights[0], to_light_marker=to_light)
+        self._replace_strongest(context, base, turned, base.ambient_rgb_ratio)
 
     def _replace_strongest(
-        self, tracked: TrackedFrame, base: Illumination, light: Light, ambient_rgb_ratio: Float | None
+        self, context: HandContext, base: Illumination, light: Light, ambient_rgb_ratio: Float | None
     ) -> None:
         """Sets the lights of `base` with another strongest one, of whose error nothing is known any more."""
         light = replace(light, covariance_rad2=None, sigma_rad=None, confidence=None, lamp_covariance=None)
         self.light = base.relit((light, *base.lights[1:]), ambient_rgb_ratio)
-        self.frame_index = tracked.frame.index
+        self.frame_index = context.tracked.frame.index
 
 
 def _brought(drag: Drag, pixel: Pixel) -> Pixel:

@@ -72,11 +72,6 @@ class Undo:
         follows_other = bool(self._before) and isinstance(self._before[-1], _OtherTakenUp)
         self._note_whole(self._before.pop() if follows_other else _OtherTakenUp(take_back))
 
-    def _note_whole(self, step: _State | _Change) -> None:
-        """Keeps what is a gesture of its own, however soon another follows."""
-        self._last = None, -math.inf
-        self._before.append(step)
-
     def undo(self, hand: Hand) -> str | None:
         """Returns `hand` to the state before its last gesture that changed something, or takes the last change back.
 
@@ -108,3 +103,8 @@ class Undo:
             if isinstance(last := self._before.pop(), _State):
                 of_light.appendleft(replace(last, placement=None))
         self._before += of_light
+
+    def _note_whole(self, step: _State | _Change) -> None:
+        """Keeps what is a gesture of its own, however soon another follows."""
+        self._last = None, -math.inf
+        self._before.append(step)

@@ -10,10 +10,11 @@ from ashe_live.errors import UserError
 Result = TypeVar("Result")
 
 
-def begun(name: str, work: Callable[[], Result], failed: Callable[[str], UserError]) -> "Future[Result]":
-    """The future result of `work`, or a UserError: its own, or `failed` of the reason for anything else that it raises.
+def in_background(name: str, work: Callable[[], Result], failed: Callable[[str], UserError]) -> "Future[Result]":
+    """Runs `work` in a thread of this name; returns its result to be, or a UserError.
 
-    `name` is the thread's. Whatever a file does to its reader, it does not end the viewer.
+    That is the one that `work` raises, or `failed` of the reason for anything else that it raises: whatever a file does
+    to its reader, it does not end the viewer.
     """
     coming: Future[Result] = Future()
 

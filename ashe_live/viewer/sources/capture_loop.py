@@ -112,7 +112,7 @@ class CaptureLoop:
         self._wish = wish
         self._pace.speed = wish.speed
         if wish.tracking is not None:
-            self._scene.track_by(wish.tracking)
+            self._scene.track_with(wish.tracking)
         if (wish.paused or self.state.has_ended) and not self._is_sent:
             self._show_as_asked()
 

@@ -6,7 +6,7 @@ from concurrent.futures import Future
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.tracking.families.in_view import markers_in_view
-from ashe_live.viewer.sources.background import begun
+from ashe_live.viewer.sources.background import in_background
 
 EVERY_S = 1.0
 
@@ -43,7 +43,7 @@ class MarkerHunt:
             if now_s - self._began_s >= EVERY_S:
                 self._began_s = now_s
                 image = tracked.frame.image_bgr
-                self._looking = begun(
+                self._looking = in_background(
                     "markers", lambda: markers_in_view(image), lambda reason: UserError(reason, "name it with --marker")
                 )
             return False

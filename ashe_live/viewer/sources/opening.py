@@ -12,7 +12,7 @@ from ashe_live.capture.folder import is_named_as_video
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.models.loading import SUFFIXES
-from ashe_live.viewer.sources.background import begun
+from ashe_live.viewer.sources.background import in_background
 from ashe_live.viewer.sources.pipeline import Pipeline
 
 # Long enough for a disk that must spin up, or a network.
@@ -61,7 +61,7 @@ class Opening:
         remedy = "plug it in again" if path is None else "convert it"
         self.close()
         self._progress = f"opening {what if path is None else path.name}"
-        self._coming = begun(
+        self._coming = in_background(
             "opening",
             lambda: _opened(opener, path),
             lambda reason: UserError(f"cannot open {what} ({reason})", remedy),

@@ -23,7 +23,7 @@ class SceneTracker:
         """Keeps a frame as a view for estimates if it adds to those kept. Apart from `track`, which is waited for."""
         self._key_views.add(tracked)
 
-    def track_by(self, preset: TrackingPreset) -> None:
+    def track_with(self, preset: TrackingPreset) -> None:
         """Changes the quality from the next frame on."""
         self._tracker.preset = preset
 

@@ -11,7 +11,7 @@ from ashe_live.models.catalogue import model_names
 from ashe_live.models.memory import ModelMemory
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.models.reading import read_model
-from ashe_live.viewer.sources.background import begun
+from ashe_live.viewer.sources.background import in_background
 
 # How long a model may load before a message says so: a line that is gone before it can be read would only flicker.
 SILENT_S = 0.3
@@ -204,6 +204,10 @@ class Shelf:
         waited_s = now_s - self._waited_for[1]
         return None if waited_s < SILENT_S else f"loading {Path(self.chosen_name).name}: {waited_s:.0f} s"
 
+    def take_error(self) -> UserError | None:
+        error, self._error = self._error, None
+        return error
+
     def _note(self, name: str, placed: PlacedModel) -> None:
         """Notes, the first time that a model is shown, what of its file is not drawn, and which axis is a guess."""
         model, file = placed.model, Path(name).name
@@ -213,10 +217,6 @@ class Shelf:
         if model.is_up_guessed and name not in self._noted:
             self._notes.append(f"{file} is taken to stand with {model.up} up: U, or --up, makes it another axis")
         self._noted.add(name)
-
-    def take_error(self) -> UserError | None:
-        error, self._error = self._error, None
-        return error
 
     def _hold(self, name: str, model: PlacedModel) -> None:
         """Counts a model as loaded, as it was then, so that its file is not read again."""
@@ -230,7 +230,7 @@ class Shelf:
 
     def _load(self, name: str) -> Future[PlacedModel]:
         if name not in self._loading:
-            self._loading[name] = begun(
+            self._loading[name] = in_background(
                 "model",
                 lambda: read_model(name, self.marker_side_m, self._up_of(name)),
                 lambda reason: UserError(f"cannot show the model {name} ({reason})", "choose another"),

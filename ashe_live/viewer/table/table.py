@@ -189,7 +189,10 @@ class Table:
         if anchor is None and request.command is Command.MOVE_MODEL:
             self._say(f"its marker {self.arrangement.marker_in_hand} is not in view", now_s)
             return
-        said = self.hand.obey(request, HandContext(tracked, estimated, self.model, anchor or UNMOVED))
+        context: HandContext | None = None
+        if tracked is not None and tracked.marker is not None:
+            context = HandContext(tracked, estimated, self.model, anchor or UNMOVED)
+        said = self.hand.obey(request, context)
         if said is not None:
             self._say(said, now_s)
 

@@ -28,25 +28,7 @@ class GlfwWindow:
 
     def __init__(self, title: str, size: Size) -> None:
         """Raises UserError when there is no display or no OpenGL 3.3."""
-        # Errors are read from return values; as warnings they would be printed a second time.
-        glfw.ERROR_REPORTING = "ignore"
-        if not glfw.init():
-            raise UserError(f"cannot open a window ({_last_error()})", "start it on a screen, or with --headless")
-        outlive_closed_windows()
-        for hint, value in (
-            (glfw.CONTEXT_VERSION_MAJOR, 3),
-            (glfw.CONTEXT_VERSION_MINOR, 3),
-            (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
-            (glfw.OPENGL_FORWARD_COMPAT, True),
-            (glfw.SCALE_TO_MONITOR, True),
-            (glfw.VISIBLE, False),  # until it has its size
-        ):
-            glfw.window_hint(hint, value)
-        self._window: Any = glfw.create_window(*_fitting(size), printable(title), None, None)
-        if not self._window:
-            message = _last_error()
-            glfw.terminate()
-            raise UserError(f"cannot open a window with OpenGL 3.3 ({message})", "update the graphics driver")
+        self._window = _hidden_window(title, size)
         # Where windows are measured in pixels (X11, Windows), a high-density display's is larger than was asked for.
         magnified = glfw.get_window_size(self._window)
         if (fitting := _fitting(magnified)) != magnified:
@@ -210,6 +192,30 @@ class GlfwWindow:
 def held(modifiers: int) -> str:
     """GLFW's bits as the table of keys writes them."""
     return "".join(name for name, bits in zip(HELD, MODIFIERS, strict=True) if modifiers & bits)
+
+
+def _hidden_window(title: str, size: Size) -> Any:
+    """A new one of GLFW's. Raises UserError when there is no display or no OpenGL 3.3."""
+    # Errors are read from return values; as warnings they would be printed a second time.
+    glfw.ERROR_REPORTING = "ignore"
+    if not glfw.init():
+        raise UserError(f"cannot open a window ({_last_error()})", "start it on a screen, or with --headless")
+    outlive_closed_windows()
+    for hint, value in (
+        (glfw.CONTEXT_VERSION_MAJOR, 3),
+        (glfw.CONTEXT_VERSION_MINOR, 3),
+        (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
+        (glfw.OPENGL_FORWARD_COMPAT, True),
+        (glfw.SCALE_TO_MONITOR, True),
+        (glfw.VISIBLE, False),  # until it has its size
+    ):
+        glfw.window_hint(hint, value)
+    window: Any = glfw.create_window(*_fitting(size), printable(title), None, None)
+    if not window:
+        message = _last_error()
+        glfw.terminate()
+        raise UserError(f"cannot open a window with OpenGL 3.3 ({message})", "update the graphics driver")
+    return window
 
 
 def _fitting(size: Size) -> Size:

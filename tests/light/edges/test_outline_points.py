@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, unit_circle
 from ashe_live.light.edges.outline_points import POINTS_PER_OUTLINE, OutlinePoints, evenly_spaced
 
 CENTRE, RADIUS = np.array([64.0, 48.0]), 24.0
@@ -17,8 +17,7 @@ TURNED = {"from x to y": SQUARE, "from y to x": SQUARE[::-1]}
 
 def polygon(sides: int) -> Float:
     """(sides, 2) regular, inscribed in a circle of RADIUS about CENTRE."""
-    angles = np.arange(sides) * (2 * math.pi / sides)
-    return np.asarray(CENTRE + RADIUS * np.column_stack([np.cos(angles), np.sin(angles)]))
+    return np.asarray(CENTRE + RADIUS * unit_circle(sides))
 
 
 def spread_over(hull: Float) -> OutlinePoints:

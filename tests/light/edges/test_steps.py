@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.arrays import Float, Float32, unit_circle
 from ashe_live.light.edges.outline_points import evenly_spaced
 from ashe_live.light.edges.steps import (
     LEAST_SIGMA_PX,
@@ -32,8 +32,7 @@ ANY = np.array([np.nan])
 
 def disc(radius: float = RADIUS) -> Float:
     """(128, 2) a closed outline."""
-    angles = np.arange(128) * (2 * math.pi / 128)
-    return np.asarray(CENTRE + radius * np.column_stack([np.cos(angles), np.sin(angles)]))
+    return np.asarray(CENTRE + radius * unit_circle(128))
 
 
 @cache

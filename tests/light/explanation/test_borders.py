@@ -1,14 +1,13 @@
 """The borders that a picture shows across outlines."""
 
 import dataclasses
-import math
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32, Mask, unit_circle
 from ashe_live.light.edges.outline_points import evenly_spaced
 from ashe_live.light.explanation.borders import CLEAR, LEAST_VARIANCE, STEPS, Borders, borders_at
 from ashe_live.light.labels.costs import Side
@@ -21,8 +20,7 @@ SQUARE = CENTRE + RADIUS * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
 
 
 def disc(sides: int = 64) -> Float:
-    angles = np.arange(sides) * (2 * math.pi / sides)
-    return np.asarray(CENTRE + RADIUS * np.column_stack([np.cos(angles), np.sin(angles)]))
+    return np.asarray(CENTRE + RADIUS * unit_circle(sides))
 
 
 def gain_within(radius: float, clarity: float = 8.0, blur_px: float = 0.5) -> Float32:

@@ -26,10 +26,6 @@ def true_proposal(here: PaintedRegion) -> Proposal:
     return Proposal(here.region, here.materials, Split(here.body, here.shadow))
 
 
-def error_deg(explanation: Explanation, here: PaintedRegion) -> float:
-    return math.degrees(angle_between(explanation.lights[0].to_light_marker, here.scene.to_light))
-
-
 def seen_as(here: PaintedRegion, masks: Predicted) -> Explanation:
     truth = explanation_of(here)
     placed = replace(truth.alignment.placed, predicted=masks)
@@ -47,10 +43,10 @@ def test_the_true_split_is_explained_by_the_true_light(ground: str, caster: Cast
     here = painted_region(caster, ground=ground)
     (found,) = explained([true_proposal(here)], preset.FAST)
     assert found is not None
-    assert error_deg(found, here) < 1.5
+    assert here.error_deg(found) < 1.5
     (better,) = refined([found], preset.BALANCED)
     assert better is not None
-    assert error_deg(better, here) < 1.5
+    assert here.error_deg(better) < 1.5
     assert cost(better, found) <= cost(found, found)
 
 
@@ -74,7 +70,7 @@ def test_tangents_keep_a_true_light_and_do_not_ask_from_where_its_body_was_drawn
     (one,) = explained([true_proposal(here)], preset.BALANCED)
     assert one is not None
     sharp = refined_by_tangents(one)
-    assert error_deg(sharp, here) < 1
+    assert here.error_deg(sharp) < 1
     placed = one.alignment.placed
     elsewhere = replace(placed, sight=replace(placed.sight, centre_px=np.array([70.0, -20.0])))
     other = replace(one, alignment=replace(one.alignment, placed=elsewhere))

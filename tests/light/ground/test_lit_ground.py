@@ -4,11 +4,10 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.arrays import Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.light.ground.lit_ground import fit_lit_ground, ground_colours, lit_rgb, unlit_mask
 from ashe_live.light.ground.preset import GroundPreset
-from ashe_live.light.pixels.log_colour import log_opponent
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, overlap, paint
 from tests.light.synthetic_masks import camera_towards
 
@@ -112,17 +111,6 @@ def test_a_finer_picture_of_the_same_ground_has_the_same_colours():
     off = np.abs(coarse - ground.colours[50:200, 20:300]).max(axis=2)
     assert np.median(off) < 0.02
     assert np.quantile(off, 0.9) < 0.05
-
-
-def linear_encoded(linear_rgb: Float) -> Image:
-    encoded = np.where(linear_rgb <= 0.0031308, 12.92 * linear_rgb, 1.055 * linear_rgb ** (1 / 2.4) - 0.055)
-    return np.round(255 * encoded[..., ::-1]).astype(np.uint8)
-
-
-def test_less_light_is_one_shift_of_every_colour():
-    albedo = np.random.default_rng(1).uniform(0.3, 0.9, (6, 6, 3)).repeat(8, 0).repeat(8, 1)
-    shift = log_opponent(linear_encoded(albedo * [0.4, 0.5, 0.6]), 0) - log_opponent(linear_encoded(albedo), 0)
-    assert np.ptp(shift.reshape(-1, 3), axis=0).max() < 0.08
 
 
 NOISE = np.random.default_rng(3).integers(0, 256, (*SIZE[::-1], 3), dtype=np.uint8)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, unit_circle
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.hull.carved import Box, carved
 from ashe_live.light.hull.light import light_of_hull
@@ -50,20 +50,24 @@ def planes_around(points: Float, eye: Float) -> Planes:
     towards = eye / np.linalg.norm(eye)
     aside = np.cross(towards, [0.0, 0.0, 1.0])
     aside /= np.linalg.norm(aside)
-    angles = np.linspace(0, 2 * math.pi, 24, endpoint=False)
-    normals = np.outer(np.cos(angles), aside) + np.outer(np.sin(angles), np.cross(towards, aside))
+    normals = unit_circle(24) @ [aside, np.cross(towards, aside)]
     return Planes(normals, supports(points, normals), np.full(24, 1e-4))
+
+
+def seen_from(points: Float, *headings_deg: float) -> SupportFunction:
+    eyes = [direction(heading, 45.0) for heading in headings_deg]
+    return SupportFunction([planes_around(points, eye) for eye in eyes], 0.04)
+
+
+def shadow_of(points: Float, sigma_m: float) -> ShadowLines:
+    normals, cast = unit_circle(32), points[:, :2] - points[:, 2:] * TO_LIGHT[:2] / TO_LIGHT[2]
+    return ShadowLines(normals, supports(cast, normals), np.full(32, sigma_m))
 
 
 @pytest.mark.parametrize("parts", [ODD, ball(0.02, -0.01, 0.04)], ids=["odd", "ball"])
 def test_support_functions_are_likeliest_in_the_true_light(parts: Parts) -> None:
     points = np.concatenate(parts)
-    eyes = [direction(heading, 45.0) for heading in (240, 255, 270, 285, 300)]
-    body = SupportFunction([planes_around(points, eye) for eye in eyes], 0.04)
-    angles = np.linspace(0, 2 * math.pi, 32, endpoint=False)
-    m = np.column_stack([np.cos(angles), np.sin(angles)])
-    cast = points[:, :2] - points[:, 2:] * TO_LIGHT[:2] / TO_LIGHT[2]
-    shadow = ShadowLines(m, supports(cast, m), np.full(32, 1e-4))
+    body, shadow = seen_from(points, 240, 255, 270, 285, 300), shadow_of(points, 1e-4)
     truth = body.log_likelihood(shadow, TO_LIGHT)
     for azimuth, elevation in ((190, 40), (210, 40), (200, 32), (200, 50)):
         assert truth > body.log_likelihood(shadow, direction(azimuth, elevation)) + 2
@@ -71,13 +75,8 @@ def test_support_functions_are_likeliest_in_the_true_light(parts: Parts) -> None
 
 def test_a_wrong_tangent_counts_less() -> None:
     points = np.concatenate(ODD)
-    eyes = [direction(heading, 45.0) for heading in (240, 270, 300)]
-    body = SupportFunction([planes_around(points, eye) for eye in eyes], 0.04)
-    angles = np.linspace(0, 2 * math.pi, 32, endpoint=False)
-    m = np.column_stack([np.cos(angles), np.sin(angles)])
-    cast = points[:, :2] - points[:, 2:] * TO_LIGHT[:2] / TO_LIGHT[2]
-    reach = supports(cast, m)
-    reach[5] += 0.05
-    found = body.without_outliers(ShadowLines(m, reach, np.full(32, 1e-3)), TO_LIGHT)
+    shadow = shadow_of(points, 1e-3)
+    shadow.reach_m[5] += 0.05
+    found = seen_from(points, 240, 270, 300).without_outliers(shadow, TO_LIGHT)
     assert found.sigma_m[5] == found.sigma_m.max() > 3e-3
     assert np.median(found.sigma_m) == 1e-3

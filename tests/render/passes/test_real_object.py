@@ -6,11 +6,14 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
-from ashe_live.core.light import Illumination
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy, ProxyMesh
 from ashe_live.core.transforms import project
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.hull.surface import surface_of
+from ashe_live.models.material import WHITE, LinearRGBA
 from ashe_live.models.primitives import box
 from ashe_live.quality import FAST, QUALITIES
 from ashe_live.render.camera.white import ASSUMED_WHITE
@@ -19,6 +22,7 @@ from ashe_live.render.scene import Scene
 
 RATIO = (0.3, 0.4, 0.5)
 GREY = 180
+BLACK = (0.0, 0.0, 0.0, 1.0)
 PRESETS = [quality.render for quality in QUALITIES.values()]
 IDS = list(QUALITIES)
 
@@ -26,6 +30,20 @@ IDS = list(QUALITIES)
 def _proxy_box(x: float, y: float, half: float, height: float) -> Proxy:
     corners = [(x + a, y + b, z, 0.0, 0.0) for a in (-half, half) for b in (-half, half) for z in (0.0, height)]
     return Proxy("box", np.array(corners))
+
+
+def _video_of_object(stage, renderer, light: Light, colour: LinearRGBA = WHITE) -> TrackedFrame:
+    """Of a box whose shadow begins at y = 0.04."""
+    pose = stage.pose(-90, 60, 0.5)
+    double = stage.placed(box((0.04, 0.04, 0.08), colour).moved(1.0, np.array([0.0, 0.06, 0.0])))
+    scene = Scene(stage.tracked(GREY, pose), double, Illumination((light,)))
+    return stage.tracked(stage.picture(renderer, scene), pose)
+
+
+def _over_shadow(stage, picture: np.ndarray, tracked: TrackedFrame, ys: Float, ratio: tuple[float, ...]) -> Float:
+    """(n, 3) the light that is left on the ground along a line across the shadow's border, over that in a shadow."""
+    seen = [stage.rgb_at(picture, tracked, (0.08, y, 0.0)) for y in ys]
+    return LINEAR_FROM_SRGB_8BIT[seen] / LINEAR_FROM_SRGB_8BIT[GREY] / ratio
 
 
 def _volume(points: np.ndarray, triangles: np.ndarray) -> float:
@@ -148,18 +166,14 @@ def test_where_both_shadows_meet_there_is_no_seam_though_the_objects_outline_is_
     """All along a line across the outline the ground is as dark as in either shadow; no seam of twice or none."""
     renderer = make_renderer(preset)
     light = stage.light(180, 30, RATIO)
-    pose = stage.pose(-90, 60, 0.5)
-    double = stage.placed(box((0.04, 0.04, 0.08)).moved(1.0, np.array([0.0, 0.06, 0.0])))
-    renderer.render(Scene(stage.tracked(GREY, pose), double, Illumination((light,))))
-    tracked = stage.tracked(renderer.read_bgr(), pose)  # a video of an object whose shadow begins at y = 0.04
+    tracked = _video_of_object(stage, renderer, light)
     model = stage.placed(box((0.03, 0.12, 0.05)))  # its shadow crosses that
-    across = [(0.08, y, 0.0) for y in np.linspace(0.034, 0.046, 25)]
     lit = LINEAR_FROM_SRGB_8BIT[GREY]
     for ground_rgb in (None, np.full(3, lit)):
         caster = _proxy_box(0.0, 0.06 + off_m, 0.02, 0.08)
         renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster, ground_rgb=ground_rgb)))
         picture = renderer.read_bgr()
-        left = LINEAR_FROM_SRGB_8BIT[[stage.rgb_at(picture, tracked, place) for place in across]] / lit / RATIO
+        left = _over_shadow(stage, picture, tracked, np.linspace(0.034, 0.046, 25), RATIO)
         if ground_rgb is None:
             assert left.min() < 0.6 or left.max() > 1.5
         else:
@@ -173,17 +187,13 @@ def test_a_shadow_in_the_video_is_not_darkened_again_where_a_poor_proxy_knows_of
     """The proxy's shadow begins 4 mm, some pixels, farther in than the one that the video shows."""
     renderer = make_renderer(preset)
     light = stage.light(180, 30, RATIO)
-    pose = stage.pose(-90, 60, 0.5)
-    double = stage.placed(box((0.04, 0.04, 0.08)).moved(1.0, np.array([0.0, 0.06, 0.0])))
-    renderer.render(Scene(stage.tracked(GREY, pose), double, Illumination((light,))))
-    tracked = stage.tracked(renderer.read_bgr(), pose)
+    tracked = _video_of_object(stage, renderer, light)
     lit = LINEAR_FROM_SRGB_8BIT[GREY]
     caster = _proxy_box(0.0, 0.064, 0.02, 0.08)
     model = stage.placed(box((0.03, 0.12, 0.05)))
     renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster, ground_rgb=np.full(3, lit))))
     picture = renderer.read_bgr()
-    strip = [(0.08, y, 0.0) for y in np.linspace(0.0405, 0.0435, 7)]
-    left = LINEAR_FROM_SRGB_8BIT[[stage.rgb_at(picture, tracked, place) for place in strip]] / lit / RATIO
+    left = _over_shadow(stage, picture, tracked, np.linspace(0.0405, 0.0435, 7), RATIO)
     np.testing.assert_allclose(left, 1, atol=0.3)
 
 
@@ -193,18 +203,15 @@ def test_no_bright_line_is_left_in_the_border_of_a_dark_soft_shadow(make_rendere
     dark = (0.1, 0.1, 0.1)
     renderer = make_renderer(FAST.render)
     light = stage.light(180, 30, dark)
-    pose = stage.pose(-90, 60, 0.5)
-    double = stage.placed(box((0.04, 0.04, 0.08), (0.0, 0.0, 0.0, 1.0)).moved(1.0, np.array([0.0, 0.06, 0.0])))
-    renderer.render(Scene(stage.tracked(GREY, pose), double, Illumination((light,))))
-    soft = cv2.GaussianBlur(LINEAR_FROM_SRGB_8BIT[renderer.read_bgr()], (0, 0), 1.3)
-    tracked = stage.tracked(np.round(255 * srgb_from_linear(soft)).astype(np.uint8), pose)
+    sharp = _video_of_object(stage, renderer, light, BLACK)
+    soft = cv2.GaussianBlur(LINEAR_FROM_SRGB_8BIT[sharp.frame.image_bgr], (0, 0), 1.3)
+    tracked = stage.tracked(np.round(255 * srgb_from_linear(soft)).astype(np.uint8), sharp.pose.T_cam_marker)
     lit = LINEAR_FROM_SRGB_8BIT[GREY]
     caster = _proxy_box(0.0, 0.06 + off_m, 0.02, 0.08)
-    model = stage.placed(box((0.03, 0.12, 0.05), (0.0, 0.0, 0.0, 1.0)))
+    model = stage.placed(box((0.03, 0.12, 0.05), BLACK))
     renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster, ground_rgb=np.full(3, lit))))
     picture = renderer.read_bgr()
-    across = [(0.08, y, 0.0) for y in np.linspace(0.034, 0.048, 29)]
-    left = LINEAR_FROM_SRGB_8BIT[[stage.rgb_at(picture, tracked, place) for place in across]] / lit / dark
+    left = _over_shadow(stage, picture, tracked, np.linspace(0.034, 0.048, 29), dark)
     assert left.max() < 1.4
     assert left.min() > 0.6
 

@@ -9,7 +9,7 @@ import pytest
 from ashe_live.bench.track.frames import CLEAN_CAMERA, Flaws, PrintedMarker, ground
 from ashe_live.bench.track.measures import turn_deg
 from ashe_live.bench.track.takes import SIDE_M, SMALL, pose_at
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.square import mean_side_px, square_corners
 from ashe_live.core.transforms import project
@@ -18,7 +18,7 @@ from ashe_live.tracking.edges.edge_profiles import Light, LightPatch, linear_lig
 from ashe_live.tracking.edges.quads import dark_quads, ink_quads
 from ashe_live.tracking.families.markers import Marker, parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
-from tests.tracking.conftest import SPECS, frame, photographed
+from tests.tracking.conftest import SPECS, frame, is_among, photographed
 
 MARKER = parse_marker("aruco:4x4_50:0")
 POSE = pose_at(0.55, 25, 20)
@@ -152,10 +152,6 @@ def test_a_marker_is_found_wherever_a_shadows_edge_crosses_it(spec: str, marker_
 
 def test_paper_in_a_deep_shadow_is_no_ink() -> None:
     """Its edge makes one dark area of shaded paper and ink by the mean around each pixel, and not by the brightest."""
-
-    def is_found(quads: list[Float]) -> bool:
-        return any(np.abs(np.roll(quad, turn, axis=0) - CORNERS).max() < 8 for quad in quads for turn in range(4))
-
     pictures = [shot(MARKER, Flaws(shadow_ratio=0.12), seed) for seed in range(20)]
-    assert all(is_found(ink_quads(grey)) for grey in pictures)
-    assert not all(is_found(dark_quads(grey)) for grey in pictures)
+    assert all(is_among(ink_quads(grey), CORNERS) for grey in pictures)
+    assert not all(is_among(dark_quads(grey), CORNERS) for grey in pictures)

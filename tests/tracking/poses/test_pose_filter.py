@@ -1,5 +1,7 @@
 """The filter: still when still, no lag when moving, never wrong by more than its gate."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -7,9 +9,10 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import rigid
 from ashe_live.tracking.poses.pose_filter import PoseFilter
+from ashe_live.tracking.preset import BALANCED, TrackingPreset
 from tests.tracking.conftest import SIDE_M, pose
 
-REST_S, GATE = 0.3, 3.0
+PRESET = replace(BALANCED, filter_rest_s=0.3, filter_gate=3.0)
 # Sure sideways, ten times less along the view, and the tilt least: what a small marker gives.
 SIGMAS = np.array([0.01, 0.01, 0.002, 1e-4, 1e-4, 1e-3])
 COVARIANCE = np.diag(SIGMAS**2)
@@ -20,9 +23,9 @@ def noisy(truth: Float, rng: np.random.Generator) -> Float:
     return rigid(cv2.Rodrigues(error[:3])[0] @ truth[:3, :3], truth[:3, 3] + error[3:])
 
 
-def filtered(poses: list[Float], rest_s: float = REST_S, covariance: Float = COVARIANCE) -> list[Float]:
-    pose_filter = PoseFilter()
-    return [pose_filter.add(T, covariance, SIDE_M, index / 30, rest_s, GATE) for index, T in enumerate(poses)]
+def filtered(poses: list[Float], preset: TrackingPreset = PRESET, covariance: Float = COVARIANCE) -> list[Float]:
+    pose_filter = PoseFilter(SIDE_M)
+    return [pose_filter.add(T, covariance, index / 30, preset) for index, T in enumerate(poses)]
 
 
 def test_at_rest_noise_shrinks_to_less_than_a_third() -> None:
@@ -50,7 +53,7 @@ def test_what_is_held_is_never_wrong_by_more_than_the_gate() -> None:
     """Also where the marker creeps by less than the noise in each frame."""
     creeping = [pose(0.5, 30, 0, aside_m=0.3e-4 * index) for index in range(200)]
     lag = [np.abs(held[0, 3] - T[0, 3]) for T, held in zip(creeping, filtered(creeping), strict=True)]
-    assert 0 < max(lag) < 1.2 * GATE * SIGMAS[3]
+    assert 0 < max(lag) < 1.2 * PRESET.filter_gate * SIGMAS[3]
 
 
 def test_what_is_held_is_a_rotation() -> None:
@@ -61,17 +64,17 @@ def test_what_is_held_is_a_rotation() -> None:
 
 def test_off_after_a_gap_and_after_a_reset_the_measured_pose_is_shown() -> None:
     first, second = pose(0.5, 30), pose(0.5, 30.05)
-    assert filtered([first, second], rest_s=0.0)[1] is second
+    assert filtered([first, second], replace(PRESET, filter_rest_s=0.0))[1] is second
     for time_s, resets in ((5.0, False), (0.03, True), (-1.0, False)):
-        pose_filter = PoseFilter()
-        pose_filter.add(first, COVARIANCE, SIDE_M, 0.0, REST_S, GATE)
+        pose_filter = PoseFilter(SIDE_M)
+        pose_filter.add(first, COVARIANCE, 0.0, PRESET)
         if resets:
             pose_filter.reset()
-        assert pose_filter.add(second, COVARIANCE, SIDE_M, time_s, REST_S, GATE) is second
+        assert pose_filter.add(second, COVARIANCE, time_s, PRESET) is second
 
 
 def test_an_exact_measurement_is_no_division_by_zero() -> None:
-    pose_filter = PoseFilter()
+    pose_filter = PoseFilter(SIDE_M)
     for index in range(3):
-        held = pose_filter.add(pose(0.5, 30), np.zeros((6, 6)), SIDE_M, index / 30, REST_S, GATE)
+        held = pose_filter.add(pose(0.5, 30), np.zeros((6, 6)), index / 30, PRESET)
     assert held == pytest.approx(pose(0.5, 30), abs=1e-12)

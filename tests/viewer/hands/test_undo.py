@@ -4,12 +4,16 @@ import numpy as np
 import pytest
 
 from ashe_live.core.light import Illumination, Light
+from ashe_live.models.mesh import Model
+from ashe_live.models.placement import placed_on_marker
+from ashe_live.models.primitives import box
 from ashe_live.viewer.hands.hand import Hand, HandContext
 from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.hands.undo import ONE_GESTURE_S, Undo
 
 LARGER = Request(Command.SCALE_MODEL, 1)
 TURN = Request(Command.TURN_MODEL, 1)
+MODEL = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
 
 
 class Table:
@@ -17,7 +21,8 @@ class Table:
 
     def __init__(self, fakes) -> None:
         self.hand, self.undo = Hand(), Undo()
-        self._context = HandContext(fakes.tracked(), Illumination((Light(np.array((1.0, 0.0, 1.0))),)), None)
+        estimated = Illumination((Light(np.array((1.0, 0.0, 1.0))),))
+        self._context = HandContext(fakes.tracked(), estimated, MODEL)
 
     def obey(self, request: Request, now_s: float) -> None:
         self.undo.note(self.hand, request, now_s)

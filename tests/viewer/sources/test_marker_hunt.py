@@ -21,7 +21,7 @@ def begun(monkeypatch: pytest.MonkeyPatch) -> list[Future[tuple[str, ...]]]:
         searches.append(Future())
         return searches[-1]
 
-    monkeypatch.setattr(marker_hunt, "begun", begin)
+    monkeypatch.setattr(marker_hunt, "in_background", begin)
     return searches
 
 

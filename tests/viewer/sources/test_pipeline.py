@@ -541,13 +541,7 @@ def test_a_lost_camera_is_reported_and_comes_back(run, fakes, monkeypatch):
     monkeypatch.setattr(capture_loop, "RECONNECT_EVERY_S", 0.01)
     source, tracker = fakes.Source(10_000, is_live=True), fakes.Tracker()
     plugged_in = threading.Event()
-    losses = iter([True])
-
-    def lose(index: int) -> None:
-        if index == 3 and next(losses, False):
-            raise SourceLost("the camera gives no more pictures", "plug it in")
-
-    source.hook = lose
+    source.hook = fakes.lost_once(at=3)
     source.reopen = plugged_in.is_set
     pipeline = run(source, tracker=tracker)
     await_that(lambda: pipeline.status is not None)

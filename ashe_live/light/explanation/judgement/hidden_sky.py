@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import GOLDEN_ANGLE_RAD, Float, Float32, Mask
+from ashe_live.core.arrays import GOLDEN_ANGLE_RAD, Float, Float32, Mask, unit_circle
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.explanation.judgement.context import reach_m
 from ashe_live.light.pixels.areas import distance_to
@@ -82,9 +82,8 @@ def is_of_sky_alone(depths: Sequence[Depth | None], seeming: Sequence[float], le
 
 def _window_around(proxy: Proxy, view: View) -> Window | None:
     """The part of the picture that shows the ground around a body; None where nothing of it is in view."""
-    turn = np.linspace(0, math.tau, AROUND, endpoint=False)
     radius_m = AROUND_SIZES * max(proxy.height_m, 2 * reach_m(proxy))
-    ring = proxy.foot_marker + radius_m * np.column_stack([np.cos(turn), np.sin(turn), np.zeros(AROUND)])
+    ring = proxy.foot_marker + radius_m * np.column_stack([unit_circle(AROUND), np.zeros(AROUND)])
     seen = outline(view.camera, view.T_cam_marker, ring)
     if seen is None:
         return None

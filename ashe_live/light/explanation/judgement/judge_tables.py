@@ -116,14 +116,14 @@ def read_tables(text: str) -> Tables:
     """The tables from the text that `Tables.as_json` was written as; raises ValueError or KeyError for another."""
     content = json.loads(text)
     return Tables(
-        _score(content["split"]),
-        _score(content["explanation"]),
-        MappingProxyType({int(looks): _average(each) for looks, each in content["averages"].items()}),
-        float(content["least_confidence"]),
-        Calibration(**content["calibration"]),
-        MappingProxyType(content["origin"]),
-        float(content["good_if_open"]),
-        OfKnownBody(**content.get("known_body", asdict(UNCHANGED))),
+        split=_score(content["split"]),
+        explanation=_score(content["explanation"]),
+        averages=MappingProxyType({int(looks): _average(each) for looks, each in content["averages"].items()}),
+        least_confidence=float(content["least_confidence"]),
+        calibration=Calibration(**content["calibration"]),
+        origin=MappingProxyType(content["origin"]),
+        good_if_open=float(content["good_if_open"]),
+        of_known_body=OfKnownBody(**content.get("known_body", asdict(UNCHANGED))),
     )
 
 

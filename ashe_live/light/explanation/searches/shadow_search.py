@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask, cross_2d
+from ashe_live.core.arrays import Float, Float32, Mask, cross_2d, unit_circle
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, image_from_plane
 from ashe_live.light.explanation.scene_view import SceneView
@@ -30,6 +30,7 @@ TURNS, STRETCHES = (-5.0, 0.0, 5.0), (0.8, 0.9, 1.0, 1.12, 1.25)
 # Where a shadow is sampled: positions along each side of its outline; and radii from its centre, 1 at the outline, with
 # the fraction of the area that each of these stands for.
 CORNERS, ALONG_SIDE = 16, np.array([1 / 6, 1 / 2, 5 / 6])
+DIRECTIONS, NORMALS = unit_circle(CORNERS), unit_circle(CORNERS, 0.5)  # of the corners, and of the sides after them
 RADII, AREA_FRACTIONS = np.array([0.4, 0.8]), np.array([0.4, 0.6])
 OUTSIDE_PX, BLUR_PX = 3.0, 1.2
 AROUND = 8  # points on a body's rings
@@ -171,11 +172,3 @@ class _MatchedFilter:
         seen = self.layers[rows.clip(0, height - 1), columns.clip(0, width - 1)]
         total = np.einsum("mk,mkc->mc", weights * inside, seen)
         return total[:, :3] / np.maximum(total[:, 3:], 1e-6), total[:, 3]
-
-
-def _around(count: int, start: float) -> Float:
-    angles = (np.arange(count) + start) * (2 * math.pi / count)
-    return np.column_stack([np.cos(angles), np.sin(angles)])
-
-
-DIRECTIONS, NORMALS = _around(CORNERS, 0.0), _around(CORNERS, 0.5)  # of the corners, and of the sides after them

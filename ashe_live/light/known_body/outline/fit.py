@@ -183,11 +183,11 @@ class _Round:
             EDGE_SIGMA_PX * ((edges.side == np.arange(len(edges.corners_px))[:, None]) * informative) @ J @ inverse
         )
         return ShadowFit(
-            light,
-            np.asarray(POINTS_A_SAMPLE * (variance * inverse + by_prior) + by_sides.T @ by_sides),
-            size_rad,
-            math.sqrt(variance),
-            math.sqrt(float((weight * (left_px / profiles.reach_px) ** 2).sum() / weight.sum())),
-            profiles.clear(darkening) if profiles.visible.any() else 0.0,
-            float(profiles.visible.mean()),
+            light=light,
+            covariance=np.asarray(POINTS_A_SAMPLE * (variance * inverse + by_prior) + by_sides.T @ by_sides),
+            size_rad=size_rad,
+            misfit_px=math.sqrt(variance),
+            misfit_share=math.sqrt(float((weight * (left_px / profiles.reach_px) ** 2).sum() / weight.sum())),
+            clear=profiles.clear(darkening) if profiles.visible.any() else 0.0,
+            seen=float(profiles.visible.mean()),
         )

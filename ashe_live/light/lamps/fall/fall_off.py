@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from operator import attrgetter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -99,39 +100,47 @@ class FallOff:
     def worst_costs(self, parameters: Float, share: float | Float, reference: Float) -> Float:
         """(n,) `Pull.worst_cost` of n single lights with parameters (n, 3), each of a share (n,), or all of one."""
         shares = np.broadcast_to(share, len(parameters))
-        known = np.column_stack([self.samples.uneven, self.samples.brightness])
-        of_known = known, self.samples.gram(known), self.samples.weighted(known)[1]
-        size = max(BLOCK // len(known), 1)
+        known = _Known.of(self.samples)
+        size = max(BLOCK // len(known.values), 1)
         blocks = (slice(i, i + size) for i in range(0, len(parameters), size))
-        return np.concatenate([self._worst_costs(parameters[i], shares[i], reference, *of_known) for i in blocks])
+        return np.concatenate([self._worst_costs(parameters[i], shares[i], reference, known) for i in blocks])
 
-    def _worst_costs(
-        self, parameters: Float, shares: Float, reference: Float, known: Float, among: Float, known_explained: Float
-    ) -> Float:
-        """As `worst_costs`. known: (n, 6) unevenness and brightness; (6, 6) their inner products; (c, 6) as what can be
-        fitted along.
-        """
+    def _worst_costs(self, parameters: Float, shares: Float, reference: Float, known: "_Known") -> Float:
+        """As `worst_costs`, of a block of lights."""
         relative = irradiances(self.samples.places, parameters) / irradiances(reference[None], parameters)
         if self.gloss is not None:
             glossy = 1 + mirrored(self.samples.places, self.eye, parameters, self.gloss)
             relative, shares = np.hstack([relative, relative * glossy]), np.append(shares, shares)
         lights = np.log(np.maximum(1 - shares + shares * relative, LEAST_LIGHT))
         weighted, explained = self.samples.weighted(lights)
-        by_light = known.T @ weighted - known_explained.T @ explained
+        by_light = known.values.T @ weighted - known.explained.T @ explained
         square = (lights * weighted).sum(axis=0) - (explained**2).sum(axis=0)
-        uneven, bright = slice(0, 5), 5  # columns of `known`
+        uneven, bright = slice(0, 5), 5  # columns of `known.values`
         with_brightness = by_light[bright]
         # As in `pull`: inner products of unevenness and contrast with one another, and with what the light leaves.
-        columns = np.empty((lights.shape[1], 6, 7))
-        columns[:, :5, :5] = among[uneven, uneven]
-        columns[:, :5, 5] = columns[:, 5, :5] = by_light[uneven].T
-        columns[:, 5, 5] = square
-        columns[:, :5, 6] = among[uneven, bright] - by_light[uneven].T
-        columns[:, 5, 6] = with_brightness - square
-        cost = among[bright, bright] - 2 * with_brightness + square
+        products = np.empty((lights.shape[1], 6, 7))
+        products[:, :5, :5] = known.among[uneven, uneven]
+        products[:, :5, 5] = products[:, 5, :5] = by_light[uneven].T
+        products[:, 5, 5] = square
+        products[:, :5, 6] = known.among[uneven, bright] - by_light[uneven].T
+        products[:, 5, 6] = with_brightness - square
+        cost = known.among[bright, bright] - 2 * with_brightness + square
         stiff = square + 1 / CONTRAST**2
-        cost -= columns[:, 5, 6] ** 2 / stiff
-        columns = columns - columns[:, :, 5:6] * columns[:, 5:6] / stiff[:, None, None]
-        stiffness = columns[:, :, :6] + np.diag(1 / WORST**2)
-        cost -= (columns[:, :, 6:] * np.linalg.solve(stiffness, columns[:, :, 6:])).sum(axis=(1, 2))
+        cost -= products[:, 5, 6] ** 2 / stiff
+        products = products - products[:, :, 5:6] * products[:, 5:6] / stiff[:, None, None]
+        stiffness = products[:, :, :6] + np.diag(1 / WORST**2)
+        cost -= (products[:, :, 6:] * np.linalg.solve(stiffness, products[:, :, 6:])).sum(axis=(1, 2))
         return np.asarray(cost.reshape(-1, len(parameters)).min(axis=0))
+
+
+class _Known(NamedTuple):
+    """What all lights are compared with: the unevenness of n samples and their brightness."""
+
+    values: Float  # (n, 6) unevenness in five columns, then brightness
+    among: Float  # (6, 6) their inner products
+    explained: Float  # (c, 6) as what can be fitted along
+
+    @staticmethod
+    def of(samples: LitSamples) -> "_Known":
+        values = np.column_stack([samples.uneven, samples.brightness])
+        return _Known(values, samples.gram(values), samples.weighted(values)[1])

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Mask, unit_circle
 from ashe_live.light.shape.outlines.contours import Contour, are_beside, contour_of, truncation_mask, values_at
 
 EDGE_SIGMA_PX = 0.7  # standard deviation of edges of masks from the truth
@@ -143,9 +143,7 @@ def _directions(
     """(d, 2) evenly spaced ones and normals of long straight edges; (d,) whose edges': 0 nobody's, 1 the body's, 2 and
     up those of its shadows.
     """
-    angles = np.arange(count) * (2 * math.pi / count)
-    blocks = [np.column_stack([np.cos(angles), np.sin(angles)])]
-    blocks.append(_edge_normals(body, doubt.cuts(body.hull_px), doubt.cuts, size_px))
+    blocks = [unit_circle(count), _edge_normals(body, doubt.cuts(body.hull_px), doubt.cuts, size_px)]
     blocks += [_edge_normals(shadow, doubt.concerns(shadow.hull_px), doubt.concerns, size_px) for shadow in shadows]
     return np.concatenate(blocks), np.repeat(np.arange(len(blocks)), [len(block) for block in blocks])
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from ashe_live.core.caster import Caster
-from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.explanation.explanation import Explanation
@@ -37,7 +36,7 @@ def test_a_body_is_found_where_it_stands_by_a_light_that_is_nearly_right(ground:
     here = painted_region(shape, ground=ground)
     best = placed(here, KNOWN[shape.shape], turned_deg=4.0)[0]
     assert np.linalg.norm(best.proxy.foot_marker[:2] - shape.at) < 0.005
-    assert math.degrees(angle_between(best.lights[0].to_light_marker, here.scene.to_light)) < 2
+    assert here.error_deg(best) < 2
 
 
 def test_lights_that_are_nearly_the_same_are_one_hint() -> None:

@@ -1,11 +1,9 @@
 """Bodies whose top the labels lack: found along their shadow, and only where the steps of light ask for it."""
 
-import math
 from dataclasses import replace
 
 import pytest
 
-from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.explanation.explanation import Explanation
@@ -49,19 +47,15 @@ def as_the_steps_say(explanation: Explanation) -> float:
     return -explanation.steps.body
 
 
-def error_deg(here: PaintedRegion, explanation: Explanation) -> float:
-    return math.degrees(angle_between(explanation.lights[0].to_light_marker, here.scene.to_light))
-
-
 @pytest.mark.parametrize("factor", [0.75, 1.3])
 @pytest.mark.parametrize("ground", ["plain", "checkered"])
 @pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
 def test_a_wrong_height_is_found_out(caster: Caster, ground: str, factor: float) -> None:
     here = painted_region(caster, ground=ground)
     wrong = stretched(here, factor)
-    assert error_deg(here, wrong) > 5
+    assert here.error_deg(wrong) > 5
     (better,) = found(here, wrong)
-    assert error_deg(here, better) < 1.5
+    assert here.error_deg(better) < 1.5
 
 
 def test_a_body_on_the_steps_of_light_stays() -> None:
