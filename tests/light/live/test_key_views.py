@@ -116,6 +116,18 @@ def test_what_is_badly_posed_is_not_kept(bad) -> None:
     assert kept.add(view(0))
 
 
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize(("sigma_deg", "is_kept"), [(0.45, True), (0.55, False)])
+def test_a_pose_that_tilts_the_table_by_more_than_half_a_degree_about_either_axis_is_not_kept(
+    axis, sigma_deg, is_kept
+) -> None:
+    covariance = SURE.copy()
+    covariance[axis, axis] = math.radians(sigma_deg) ** 2
+    seen = view(0)
+    tilted = dataclasses.replace(seen, marker=dataclasses.replace(seen.marker, covariance=covariance))
+    assert KeyViews().add(tilted) is is_kept
+
+
 def test_an_uncertain_focal_length_keeps_no_view_out() -> None:
     """It makes all poses uncertain alike."""
     seen = view(0)
@@ -146,6 +158,15 @@ def test_one_view_is_no_set_of_several() -> None:
     two = KeyViews(2)
     assert [two.add(frame) for frame in orbit((0, 10, 40, 35))] == [True, True, True, False]
     assert len(two.views) == 2
+
+
+def test_a_view_beside_the_one_that_it_replaces_counts_by_its_distance_from_the_others() -> None:
+    kept = KeyViews(3)
+    assert [kept.add(frame) for frame in orbit((0, 20, 24))] == [True, True, True]
+    before = narrowest(kept.views)
+    assert kept.add(view(16, 3)), "the narrowest gap, of 20 and 24, is twice as wide then"
+    assert [each.frame.index for each in kept.views] == [0, 2, 3]
+    assert narrowest(kept.views) > GAIN * before
 
 
 @pytest.mark.parametrize("blur", [1.5, 2.5, 4.0])
