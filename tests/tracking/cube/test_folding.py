@@ -198,8 +198,31 @@ def test_frame_and_faces_are_off_together_as_the_picture_lets_them() -> None:
     # On the upper rim, as what stands on the table moves with the frame alone.
     above = points[:, 2] > EDGE_M / 2
     assert np.sqrt((together[above] ** 2).sum()) < 0.5 * np.sqrt((by_frame[above] ** 2).sum())
-    # And the frame's turn is as uncertain as folds make the pose's.
-    assert errors.pose[:3] @ errors.pose[:3].T == pytest.approx(folding.pose_covariance[:3, :3], rel=1e-6, abs=1e-12)
+    # And the frame is as uncertain as folds make the pose, which is by the camera's axes.
+    pose = pose_of(folding, {number: one.square for number, one in squares.items()})
+    axes = np.kron(np.eye(2), pose.T_cam_marker[:3, :3])
+    by_folds = folding.stated(pose).covariance - pose.covariance
+    assert axes @ errors.pose @ errors.pose.T @ axes.T == pytest.approx(by_folds, rel=1e-6, abs=1e-12)
+
+
+def test_the_bodys_corners_are_off_as_the_folds_that_move_them() -> None:
+    """By the differences of its corners, but for the order of turns; of these, those below stay on the table."""
+    folding, T = Folding(EDGE_M), looking(0.35, 50, 40)
+    squares = seen(T, Folds.drawn(np.random.default_rng(2), EDGE_M), folding, list(range(len(FACES))))
+    assert folding.add(squares, T, CAMERA)
+    errors, points = folding.stated(MarkerPose(T, np.zeros((4, 2)), EDGE_M, 0.1, None)).pose_shape_errors, {}
+    assert errors is not None
+    causes, folds = np.linalg.cholesky(folding._covariance), folding._folds
+    for cause in range(causes.shape[1]):
+        for step in (-1e-4, 1e-4):
+            folding._folds = folds + step * causes[:, cause].reshape(folds.shape)
+            folding._shape()
+            points[step] = folding.body.points_marker()
+        moved = (points[1e-4] - points[-1e-4]) / 2e-4
+        assert errors.points[:, :, cause] == pytest.approx(moved, abs=0.05 * np.abs(errors.points).max())
+    on_table = points[1e-4][:, 2] == 0
+    assert on_table.any()
+    assert not errors.points[on_table, 2].any()
 
 
 @pytest.mark.parametrize("component", range(6))
