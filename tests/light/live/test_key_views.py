@@ -191,6 +191,20 @@ def test_blur_is_measured_at_a_corner_that_is_in_the_picture(blur) -> None:
 
 
 @pytest.mark.parametrize("blur", [1.5, 3.0])
+@pytest.mark.parametrize("turned", range(4))
+def test_blur_is_measured_at_a_corner_beside_the_pictures_border(blur, turned) -> None:
+    whole = view(45, blur=blur)
+    order = np.roll(np.arange(4), turned)
+    corners = whole.marker.corners_px[order]
+    x, y = np.maximum(np.round(corners.min(axis=0)).astype(int) - 8, 0)
+    image = np.ascontiguousarray(whole.frame.image_bgr[y:, x:])
+    K = CAMERA.K - np.array([[0, 0, x], [0, 0, y], [0, 0, 0]])
+    marker = dataclasses.replace(whole.marker, corners_px=corners - (x, y))
+    cut = TrackedFrame(Frame(image, 0, 0.0), Camera(image.shape[1::-1], K, np.zeros(5), "flag"), marker)
+    assert blur_px(cut) == pytest.approx(blur, rel=0.3)
+
+
+@pytest.mark.parametrize("blur", [1.5, 3.0])
 def test_of_a_printed_body_the_blur_is_measured_on_its_faces(blur) -> None:
     """Its corners on the plane are hidden, and the ground there is plain."""
     seen = view(0, blur=0.0)
@@ -225,8 +239,15 @@ def test_views_are_as_large_as_the_estimator_uses_and_all_fit_the_memory(size) -
 
 def test_a_kept_view_shows_every_point_where_its_camera_projects_it() -> None:
     large = view(10, camera=Camera.from_hfov((1600, 1200), 60))
+    large = dataclasses.replace(large, clean_plate_bgr=large.frame.image_bgr)
     small = scaled(large, kept_size(large.frame.size))
     assert small.frame.size == small.camera.size == (800, 600)
+    assert small.clean_plate_bgr is None, "it is of the other size"
+    # What the pose leaves unexplained is in the pixels of each.
+    assert small.marker.reprojection_rms_px == large.marker.reprojection_rms_px / 2
+    assert small.marker.other_rms_px == large.marker.other_rms_px / 2
+    alone = dataclasses.replace(large, marker=dataclasses.replace(large.marker, other_rms_px=None))
+    assert scaled(alone, small.frame.size).marker.other_rms_px is None
     np.testing.assert_allclose(project(small.camera, small.marker.T_cam_marker, SQUARE), small.marker.corners_px)
     grey = cv2.cvtColor(np.asarray(small.frame.image_bgr), cv2.COLOR_BGR2GRAY)
     expected = np.array(small.marker.corners_px[:, None], np.float32)

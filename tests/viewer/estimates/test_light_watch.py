@@ -368,8 +368,74 @@ def test_while_a_hand_rests_there_the_views_are_kept(fakes) -> None:
         for index in (4, 5):  # that shows another scene, which the second one confirms
             assert watch.look_again(fakes.tracked(index), float(index), None)
             answered(watch, fakes.estimate(index, with_light, towards=(-1.0, 0.0, 1.0)), (0, 1))
+            if index == 4:
+                before = watch.sharpening
+        assert (watch.sharpening is before) is not with_light
         assert watch.held.is_news is with_light
         assert watch.key_views.views == (() if with_light else views)
+
+
+def test_what_a_person_asked_for_stands_whatever_was_known(fakes) -> None:
+    watch = LightWatch(fakes.Worker())
+    for now_s, towards in enumerate(((1.0, 0.0, 1.0), (-1.0, 0.0, 1.0))):
+        assert watch.ask(fakes.tracked(now_s), float(now_s))
+        answered(watch, light := fakes.estimate(now_s, towards=towards))
+        assert watch.held.estimate is light
+        assert watch.held.is_news
+
+
+def test_the_same_views_are_looked_at_once_where_the_scene_is_the_same(fakes) -> None:
+    watch = LightWatch(fakes.Worker())
+    watch.key_views = fakes.KeyViews(fakes.tracked(1), fakes.tracked(2, tilt_deg=40))
+    assert watch.ask(fakes.tracked(3), 0.0)
+    answered(watch, fakes.estimate(3))
+    assert not watch.sharpen(fakes.tracked(4), 10.0, None)
+
+
+def test_estimates_are_made_often_as_long_as_they_gain_something_or_contradict_one_another(fakes) -> None:
+    watch = LightWatch(fakes.Worker())
+    sharper = [fakes.estimate(index, sigma_rad=0.1 * 0.8**index) for index in range(FUTILE + 2)]
+    alike = [sharper[-1]] * FUTILE
+    other = fakes.estimate(9, towards=(-1.0, 0.0, 1.0))
+    settles = [False] * len(sharper) + [False] * (FUTILE - 1) + [True] + [False]
+    for now_s, (estimate, is_settled) in enumerate(zip((*sharper, *alike, other), settles, strict=True)):
+        assert watch.ask_in_background(fakes.tracked(now_s), float(now_s))
+        answered(watch, estimate)
+        assert watch.sharpening.is_settled is is_settled
+
+
+@pytest.mark.parametrize("is_followed", [True, False])
+def test_a_view_that_shows_another_scene_is_dropped_and_a_doubt_with_it(is_followed, fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    watch.key_views = fakes.KeyViews(fakes.tracked(90), other := fakes.tracked(91))
+    settled(watch, fakes, light := fakes.estimate(1))
+    worker.follows = True
+    if not is_followed:
+        assert watch.look_again(fakes.tracked(20), 20.0, None)
+        answered(watch, light, (0, 1))
+        assert watch.sharpen(fakes.tracked(21), 21.0, None), "to see what has become of it"
+        assert worker.doubted.frame.index == 20
+    else:
+        assert watch.look_again(fakes.tracked(21), 20.0, None)
+    answered(watch, light, (0,))
+    assert watch.key_views.views == (other,)
+    assert watch.look_again(fakes.tracked(22), 25.0, None)
+    assert worker.doubted is None
+
+
+def test_a_light_that_was_found_over_the_empty_table_stays_so_while_it_is_followed(fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    watch.key_views = fakes.KeyViews(fakes.tracked(90), fakes.tracked(91))
+    worker.is_over_empty_table = True
+    settled(watch, fakes, fakes.estimate(1, sigma_rad=0.001))
+    worker.follows, worker.is_over_empty_table = True, False
+    for now_s, towards in ((20.0, (1.0, 0.2, 1.0)), (25.0, (1.0, 0.4, 1.0))):
+        assert watch.look_again(fakes.tracked(20), now_s, None)
+        worker.answer = fakes.estimate(20, towards=towards, sigma_rad=0.001)
+        assert watch.wait(0.0).is_over_empty_table
+    assert watch.ask(fakes.tracked(30), 30.0)
+    worker.answer = fakes.estimate(30)
+    assert not watch.wait(0.0).is_over_empty_table
 
 
 def test_the_empty_table_is_asked_for_only_where_it_may_be_shown_to_some_use(fakes) -> None:
