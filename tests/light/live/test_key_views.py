@@ -190,6 +190,19 @@ def test_blur_is_measured_at_a_corner_that_is_in_the_picture(blur) -> None:
     assert blur_px(cut) == pytest.approx(blur, rel=0.3)
 
 
+@pytest.mark.parametrize("axis", [0, 1], ids=["right", "below"])
+def test_blur_is_not_measured_at_a_corner_beyond_the_picture(axis) -> None:
+    whole = view(-60, blur=2.0)
+    corners = whole.marker.corners_px
+    corners = np.roll(corners, -int(corners[:, axis].argmax()), axis=0)  # the first in its order
+    end = round(corners[0, axis]) - 12
+    image = np.ascontiguousarray(whole.frame.image_bgr[(slice(None), slice(end))[:: -1 if axis else 1]])
+    marker = dataclasses.replace(whole.marker, corners_px=corners)
+    cut = TrackedFrame(Frame(image, 0, 0.0), Camera(image.shape[1::-1], CAMERA.K, np.zeros(5), "flag"), marker)
+    assert (corners[0] >= image.shape[1::-1]).any()
+    assert blur_px(cut) == pytest.approx(2.0, rel=0.2)
+
+
 @pytest.mark.parametrize("blur", [1.5, 3.0])
 @pytest.mark.parametrize("turned", range(4))
 def test_blur_is_measured_at_a_corner_beside_the_pictures_border(blur, turned) -> None:

@@ -206,8 +206,8 @@ def test_high_things_near_the_camera_shear_more_which_colours_alone_pay_for(heig
 
 
 def test_a_change_counts_from_a_fifth_of_a_squared_side_on_and_from_its_least_difference() -> None:
-    for length, is_changed in ((3, False), (6, True)):  # of five cells' width
-        assert differs(drawn((slice(40, 40 + length), slice(40, 45))), drawn()) is is_changed
+    for width, is_changed in ((4, False), (6, True)):  # cells, a hundred of which are a squared side
+        assert differs(drawn((slice(40, 40 + width), slice(40, 40 + width))), drawn()) is is_changed
     for axis, least in enumerate(LEAST_DIFFERENCES):
         for factor in (-1.1, -0.9, 0.9, 1.1):
             colours = factor * least * np.eye(3)[axis]
