@@ -225,6 +225,27 @@ def test_what_one_of_both_does_not_see_is_no_change() -> None:
 HAND, OTHER = (slice(10, 30), slice(10, 30)), (slice(60, 80), slice(40, 70))
 
 
+@pytest.mark.parametrize(
+    ("before", "gone"),
+    [
+        # Slopes, and which of the views show something else than now.
+        ({0.01: True, 0.05: False, 0.10: False}, [0]),
+        ({0.01: False, 0.05: True, 0.10: True}, [0, 1, 2]),  # most of them
+        ({0.01: False, 0.05: False, 0.10: True, 0.15: True}, [2, 3]),  # half of them
+        ({0.10: False, 0.01: True, 0.15: False, 0.05: True, 0.20: False}, [0, 1, 2, 3, 4]),  # the two nearest
+        ({0.01: True, 0.05: False, 0.10: True, 0.15: False, 0.20: False}, [0, 2]),
+        ({0.20: True}, [0]),
+        ({0.20: True, 0.40: False, 0.45: False}, [0]),  # it is alone among those that now cannot be compared with
+        ({0.20: True, 0.40: False, 0.45: True}, [0, 1, 2]),
+        ({0.20: True, 0.40: True, 0.45: True}, [0, 1, 2]),
+        ({0.30: True, 0.40: True}, []),
+    ],
+)
+def test_all_views_are_outdated_where_most_or_the_two_nearest_are(before, gone) -> None:
+    views = [drawn(OTHER if is_other else None, slope=slope) for slope, is_other in before.items()]
+    assert outdated(drawn(), views) == gone
+
+
 def test_from_view_to_view_it_is_told_which_of_those_far_aside_show_the_scene() -> None:
     """Seen from so far apart as two slopes that differ by more than 0.27, things shear too much to be compared."""
     at = np.array([5, 2, 7, 1, 4, 3, 6])  # in no order, as views are that replaced others
