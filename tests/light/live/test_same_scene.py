@@ -257,8 +257,11 @@ def test_from_view_to_view_it_is_told_which_of_those_far_aside_show_the_scene() 
     for covered in at:
         hand = [drawn(HAND if place == covered else None, slope=0.1 * place) for place in at]
         assert outdated_with_far(drawn(), hand) == list(np.flatnonzero(at == covered))
-    alone = drawn(OTHER, slope=3.0)
-    assert outdated_with_far(drawn(), [*same, alone]) == [], "of which nobody can tell"
+    close = [drawn(OTHER if place > 4 else None, slope=0.05 * place) for place in range(1, 12)]
+    assert outdated_with_far(drawn(), close) == [4, 5, 6, 7, 8, 9, 10], "each has several beside it"
+    alone = drawn(slope=3.0)
+    assert outdated_with_far(drawn(), [*same, drawn(OTHER, slope=3.0)]) == [], "of which nobody can tell"
+    assert outdated_with_far(drawn(OTHER), [*same, alone]) == list(range(len(same) + 1)), "all are of before"
 
 
 @pytest.mark.parametrize(
