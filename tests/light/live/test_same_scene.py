@@ -268,7 +268,9 @@ def test_from_view_to_view_it_is_told_which_of_those_far_aside_show_the_scene() 
     ("scenes", "first"),
     [
         ((HAND, None, None, None), 1),
+        ((HAND, None, None), 1),
         ((None, HAND, None), 0),
+        ((HAND, HAND, None), 0),
         ((HAND, OTHER, None, None, None), 2),
         ((HAND, OTHER, None), 0),
         ((HAND, None), 0),
