@@ -116,6 +116,18 @@ def test_what_is_badly_posed_is_not_kept(bad) -> None:
     assert kept.add(view(0))
 
 
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize(("sigma_deg", "is_kept"), [(0.45, True), (0.55, False)])
+def test_a_pose_that_tilts_the_table_by_more_than_half_a_degree_about_either_axis_is_not_kept(
+    axis, sigma_deg, is_kept
+) -> None:
+    covariance = SURE.copy()
+    covariance[axis, axis] = math.radians(sigma_deg) ** 2
+    seen = view(0)
+    tilted = dataclasses.replace(seen, marker=dataclasses.replace(seen.marker, covariance=covariance))
+    assert KeyViews().add(tilted) is is_kept
+
+
 def test_an_uncertain_focal_length_keeps_no_view_out() -> None:
     """It makes all poses uncertain alike."""
     seen = view(0)
@@ -148,6 +160,15 @@ def test_one_view_is_no_set_of_several() -> None:
     assert len(two.views) == 2
 
 
+def test_a_view_beside_the_one_that_it_replaces_counts_by_its_distance_from_the_others() -> None:
+    kept = KeyViews(3)
+    assert [kept.add(frame) for frame in orbit((0, 20, 24))] == [True, True, True]
+    before = narrowest(kept.views)
+    assert kept.add(view(16, 3)), "the narrowest gap, of 20 and 24, is twice as wide then"
+    assert [each.frame.index for each in kept.views] == [0, 2, 3]
+    assert narrowest(kept.views) > GAIN * before
+
+
 @pytest.mark.parametrize("blur", [1.5, 2.5, 4.0])
 @pytest.mark.parametrize("azimuth_deg", [0, 20, 45])
 def test_blur_is_measured_in_pixels(blur, azimuth_deg) -> None:
@@ -166,6 +187,33 @@ def test_blur_is_measured_at_a_corner_that_is_in_the_picture(blur) -> None:
     marker = dataclasses.replace(whole.marker, corners_px=whole.marker.corners_px - (shift, 0))
     cut = TrackedFrame(Frame(image, 0, 0.0), Camera(image.shape[1::-1], K, np.zeros(5), "flag"), marker)
     assert (marker.corners_px[0] < 0).any()
+    assert blur_px(cut) == pytest.approx(blur, rel=0.3)
+
+
+@pytest.mark.parametrize("axis", [0, 1], ids=["right", "below"])
+def test_blur_is_not_measured_at_a_corner_beyond_the_picture(axis) -> None:
+    whole = view(-60, blur=2.0)
+    corners = whole.marker.corners_px
+    corners = np.roll(corners, -int(corners[:, axis].argmax()), axis=0)  # the first in its order
+    end = round(corners[0, axis]) - 12
+    image = np.ascontiguousarray(whole.frame.image_bgr[(slice(None), slice(end))[:: -1 if axis else 1]])
+    marker = dataclasses.replace(whole.marker, corners_px=corners)
+    cut = TrackedFrame(Frame(image, 0, 0.0), Camera(image.shape[1::-1], CAMERA.K, np.zeros(5), "flag"), marker)
+    assert (corners[0] >= image.shape[1::-1]).any()
+    assert blur_px(cut) == pytest.approx(2.0, rel=0.2)
+
+
+@pytest.mark.parametrize("blur", [1.5, 3.0])
+@pytest.mark.parametrize("turned", range(4))
+def test_blur_is_measured_at_a_corner_beside_the_pictures_border(blur, turned) -> None:
+    whole = view(45, blur=blur)
+    order = np.roll(np.arange(4), turned)
+    corners = whole.marker.corners_px[order]
+    x, y = np.maximum(np.round(corners.min(axis=0)).astype(int) - 8, 0)
+    image = np.ascontiguousarray(whole.frame.image_bgr[y:, x:])
+    K = CAMERA.K - np.array([[0, 0, x], [0, 0, y], [0, 0, 0]])
+    marker = dataclasses.replace(whole.marker, corners_px=corners - (x, y))
+    cut = TrackedFrame(Frame(image, 0, 0.0), Camera(image.shape[1::-1], K, np.zeros(5), "flag"), marker)
     assert blur_px(cut) == pytest.approx(blur, rel=0.3)
 
 
@@ -198,14 +246,21 @@ def test_without_a_marker_or_contrast_nothing_is_sharp() -> None:
 def test_views_are_as_large_as_the_estimator_uses_and_all_fit_the_memory(size) -> None:
     width, height = kept_size(size)
     assert MOST_VIEWS * 3 * width * height <= MOST_BYTES
-    assert width >= min(size[0], WORKING_WIDTH_PX if size[0] > size[1] else 500)
+    assert min(size[0], WORKING_WIDTH_PX if size[0] > size[1] else 500) <= width < 2 * WORKING_WIDTH_PX
     assert width / height == pytest.approx(size[0] / size[1], rel=0.01)
 
 
 def test_a_kept_view_shows_every_point_where_its_camera_projects_it() -> None:
     large = view(10, camera=Camera.from_hfov((1600, 1200), 60))
+    large = dataclasses.replace(large, clean_plate_bgr=large.frame.image_bgr)
     small = scaled(large, kept_size(large.frame.size))
     assert small.frame.size == small.camera.size == (800, 600)
+    assert small.clean_plate_bgr is None, "it is of the other size"
+    # What the pose leaves unexplained is in the pixels of each.
+    assert small.marker.reprojection_rms_px == large.marker.reprojection_rms_px / 2
+    assert small.marker.other_rms_px == large.marker.other_rms_px / 2
+    alone = dataclasses.replace(large, marker=dataclasses.replace(large.marker, other_rms_px=None))
+    assert scaled(alone, small.frame.size).marker.other_rms_px is None
     np.testing.assert_allclose(project(small.camera, small.marker.T_cam_marker, SQUARE), small.marker.corners_px)
     grey = cv2.cvtColor(np.asarray(small.frame.image_bgr), cv2.COLOR_BGR2GRAY)
     expected = np.array(small.marker.corners_px[:, None], np.float32)

@@ -13,7 +13,18 @@ from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame
 from ashe_live.light.live import same_scene
 from ashe_live.light.live.key_views import KeyViews
-from ashe_live.light.live.same_scene import CELLS_A_SIDE, PlanePicture, differs, outdated, outdated_with_far
+from ashe_live.light.live.same_scene import (
+    CELLS_A_SIDE,
+    HALF_SIDES,
+    HIGHEST_SIDES,
+    LEAST_DIFFERENCES,
+    PlanePicture,
+    differs,
+    first_of_most,
+    of_one_scene,
+    outdated,
+    outdated_with_far,
+)
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.preset import BALANCED
 from ashe_live.tracking.tracker import MarkerTracker
@@ -154,3 +165,127 @@ def test_a_thing_as_bright_as_the_ground_is_noticed_by_its_colour(monkeypatch) -
     assert differs(now, before) is True
     monkeypatch.setattr(same_scene, "LEAST_DIFFERENCES", np.array([0.3, np.inf, np.inf]))
     assert differs(now, before) is False
+
+
+def drawn(
+    patch: tuple[slice, slice] | None = None,
+    colours: tuple[float, float, float] = (0.5, 0.0, 0.0),
+    slope: float = 0.0,
+    height_sides: float = 30.0,
+    exposure: float = 0.0,
+) -> PlanePicture:
+    """Plain ground with a patch of another colour, from the side by that slope."""
+    cells = 2 * HALF_SIDES * CELLS_A_SIDE
+    ground = np.full((cells, cells, 3), (exposure, 0.0, 0.0), np.float32)
+    if patch is not None:
+        ground[patch] += np.array(colours, np.float32)
+    return PlanePicture(ground, np.ones((cells, cells), np.bool_), np.array((slope, 0.0)), height_sides)
+
+
+def strip(width: int) -> tuple[slice, slice]:
+    return slice(20, 60), slice(30, 30 + width)
+
+
+@pytest.mark.parametrize("slope", [0.0, 1 / 6, -1 / 6])
+@pytest.mark.parametrize("exposure", [0.0, -0.4])
+def test_what_a_thing_on_the_plane_may_shear_by_is_no_change(slope, exposure) -> None:
+    """By its height times the difference of the slopes: of three sides and a sixth, half a side, or five cells."""
+    sheared = round(HIGHEST_SIDES * abs(slope) * CELLS_A_SIDE)
+    for width, is_changed in ((sheared + 3, False), (sheared + 6, True)):
+        now, before = drawn(strip(width), slope=slope), drawn(exposure=exposure)
+        assert differs(now, before) is differs(before, now) is is_changed
+
+
+@pytest.mark.parametrize(("height_sides", "least"), [(30.0, 10), (7.5, 12), (3.0, 12)])
+def test_high_things_near_the_camera_shear_more_which_colours_alone_pay_for(height_sides, least) -> None:
+    """The slope to a thing's top is larger by 1 / (1 - its share of the camera's height), of which 0.4 are allowed."""
+    for colours, widest in (((0.0, 0.7, 0.0), least), ((0.0, 0.0, 0.5), least), ((0.4, 0.0, 0.0), 9)):
+        for width, is_changed in ((widest - 1, False), (widest + 1, True)):
+            now = drawn(strip(width), colours, slope=1 / 6, height_sides=30.0)
+            assert differs(now, drawn(height_sides=height_sides)) is is_changed
+
+
+def test_a_change_counts_from_a_fifth_of_a_squared_side_on_and_from_its_least_difference() -> None:
+    for width, is_changed in ((4, False), (6, True)):  # cells, a hundred of which are a squared side
+        assert differs(drawn((slice(40, 40 + width), slice(40, 40 + width))), drawn()) is is_changed
+    for axis, least in enumerate(LEAST_DIFFERENCES):
+        for factor in (-1.1, -0.9, 0.9, 1.1):
+            colours = factor * least * np.eye(3)[axis]
+            assert differs(drawn(strip(20), tuple(colours)), drawn()) is (abs(factor) > 1)
+
+
+def test_what_one_of_both_does_not_see_is_no_change() -> None:
+    now, before = drawn(strip(20)), drawn()
+    is_seen = np.ones_like(before.is_seen)
+    is_seen[strip(20)] = False
+    assert differs(now, replace(before, is_seen=is_seen)) is False
+    assert differs(replace(now, is_seen=is_seen), before) is False
+
+
+HAND, OTHER = (slice(10, 30), slice(10, 30)), (slice(60, 80), slice(40, 70))
+
+
+@pytest.mark.parametrize(
+    ("before", "gone"),
+    [
+        # Slopes, and which of the views show something else than now.
+        ({0.01: True, 0.05: False, 0.10: False}, [0]),
+        ({0.01: False, 0.05: True, 0.10: True}, [0, 1, 2]),  # most of them
+        ({0.01: False, 0.05: False, 0.10: True, 0.15: True}, [2, 3]),  # half of them
+        ({0.10: False, 0.01: True, 0.15: False, 0.05: True, 0.20: False}, [0, 1, 2, 3, 4]),  # the two nearest
+        ({0.01: True, 0.05: False, 0.10: True, 0.15: False, 0.20: False}, [0, 2]),
+        ({0.20: True}, [0]),
+        ({0.20: True, 0.40: False, 0.45: False}, [0]),  # it is alone among those that now cannot be compared with
+        ({0.20: True, 0.40: False, 0.45: True}, [0, 1, 2]),
+        ({0.20: True, 0.40: True, 0.45: True}, [0, 1, 2]),
+        ({0.30: True, 0.40: True}, []),
+    ],
+)
+def test_all_views_are_outdated_where_most_or_the_two_nearest_are(before, gone) -> None:
+    views = [drawn(OTHER if is_other else None, slope=slope) for slope, is_other in before.items()]
+    assert outdated(drawn(), views) == gone
+
+
+def test_from_view_to_view_it_is_told_which_of_those_far_aside_show_the_scene() -> None:
+    """Seen from so far apart as two slopes that differ by more than 0.27, things shear too much to be compared."""
+    at = np.array([5, 2, 7, 1, 4, 3, 6])  # in no order, as views are that replaced others
+    same = [drawn(slope=0.1 * place) for place in at]
+    assert outdated_with_far(drawn(), same) == []
+    changed = [drawn(OTHER if place > 4 else None, slope=0.1 * place) for place in at]
+    assert outdated(drawn(), changed) == []
+    assert outdated_with_far(drawn(), changed) == list(np.flatnonzero(at > 4))
+    for covered in at:
+        hand = [drawn(HAND if place == covered else None, slope=0.1 * place) for place in at]
+        assert outdated_with_far(drawn(), hand) == list(np.flatnonzero(at == covered))
+    close = [drawn(OTHER if place > 4 else None, slope=0.05 * place) for place in range(1, 12)]
+    assert outdated_with_far(drawn(), close) == [4, 5, 6, 7, 8, 9, 10], "each has several beside it"
+    alone = drawn(slope=3.0)
+    assert outdated_with_far(drawn(), [*same, drawn(OTHER, slope=3.0)]) == [], "of which nobody can tell"
+    assert outdated_with_far(drawn(OTHER), [*same, alone]) == list(range(len(same) + 1)), "all are of before"
+
+
+@pytest.mark.parametrize(
+    ("scenes", "first"),
+    [
+        ((HAND, None, None, None), 1),
+        ((HAND, None, None), 1),
+        ((None, HAND, None), 0),
+        ((HAND, HAND, None), 0),
+        ((HAND, OTHER, None, None, None), 2),
+        ((HAND, OTHER, None), 0),
+        ((HAND, None), 0),
+        ((None,), 0),
+    ],
+)
+def test_of_several_views_the_first_is_taken_that_shows_what_most_of_them_show(monkeypatch, scenes, first) -> None:
+    """Where there is none, the very first."""
+    views = [paint(T_cam_marker=camera_towards((0.0, 0.0), 0.6, 45.0), size=(64, 48)).tracked for _ in scenes]
+    pictures = {
+        id(view): drawn(scene, slope=0.01 * at) for at, (view, scene) in enumerate(zip(views, scenes, strict=True))
+    }
+    monkeypatch.setattr(PlanePicture, "of", staticmethod(lambda view: pictures[id(view)]))
+    assert first_of_most(views) is views[first]
+    others = views[:first] + views[first + 1 :]
+    of_it = of_one_scene(views[first], others)
+    alike = [view for view in others if differs(pictures[id(view)], pictures[id(views[first])]) is False]
+    assert [id(view) for view in of_it] == [id(view) for view in alike]

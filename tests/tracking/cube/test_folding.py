@@ -1,6 +1,7 @@
 """A cube folded by hand: what its faces show of each other is learned, and what they share stays uncertain."""
 
 import math
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -10,8 +11,9 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import pixels_by_points, project, transform_points
 from ashe_live.core.types import MarkerPose
 from ashe_live.quality import BALANCED
-from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
-from ashe_live.tracking.cube.folding import OF_FOLDED_CUBE, SHIFT_SIGMA, TURN_SIGMA, Folding
+from ashe_live.tracking.cube import folding as folding_module
+from ashe_live.tracking.cube.faces import CORNERS, FACES, TAG_SHARE
+from ashe_live.tracking.cube.folding import EVERY, FIRST_FRAMES, OF_FOLDED_CUBE, SHIFT_SIGMA, TURN_SIGMA, Folding
 from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.poses.pose import Sighting, pose_of_squares
@@ -40,6 +42,37 @@ def test_a_perfect_cube_stays_one() -> None:
         assert folding.corners(number) == pytest.approx(EDGE_M * face.corners(TAG_SHARE), abs=1e-6)
     # Faces that agree make one surer of the cube than careful folding alone.
     assert np.trace(folding.pose_covariance) < 0.2 * np.trace(Folding(EDGE_M).pose_covariance)
+
+
+def test_after_the_first_frames_one_in_eight_is_learned_from_until_there_are_enough(monkeypatch) -> None:
+    """Frames that look alike have the same errors."""
+    monkeypatch.setattr(folding_module, "MOST_FRAMES", FIRST_FRAMES + 2)
+    folding, T = Folding(EDGE_M), looking(0.35, 50, 40)
+    squares = seen(T, Folds(), folding, [0, 1, 2])
+    learned = np.flatnonzero([folding.add(squares, T, CAMERA) for _ in range(FIRST_FRAMES + 4 * EVERY)])
+    assert list(learned[:FIRST_FRAMES]) == list(range(FIRST_FRAMES))
+    assert len(learned) == FIRST_FRAMES + 2
+    assert np.diff(learned[FIRST_FRAMES:]) == EVERY
+    assert learned[FIRST_FRAMES] < FIRST_FRAMES + EVERY
+    # Whichever faces are seen later, the pose is as uncertain as their folds leave it.
+    of_three = folding.pose_covariance
+    assert not folding.add(seen(T, Folds(), folding, [3]), T, CAMERA)
+    assert np.trace(folding.pose_covariance) > 1.5 * np.trace(of_three)
+
+
+def test_the_body_is_the_hull_of_the_faces_as_they_lie_on_the_table() -> None:
+    assert np.unique(Folding(EDGE_M).body.points_marker().round(9), axis=0) == pytest.approx(
+        np.unique((EDGE_M * CORNERS).round(9), axis=0)
+    )
+    folds, folding = Folds.drawn(np.random.default_rng(4), EDGE_M), Folding(EDGE_M)
+    folding._folds = np.concatenate([folds.turns, EDGE_M * folds.shifts], axis=1)
+    folding._shape()
+    lying = np.concatenate([EDGE_M * folds.placed(number, face.corners()) for number, face in enumerate(FACES)])
+    assert lying[:, 2].min() < 0, "by its folds alone it would reach into the table"
+    assert folding.body.points_marker() == pytest.approx(np.maximum(lying, (-np.inf, -np.inf, 0.0)))
+    pose = MarkerPose(looking(0.35, 50, 40), np.zeros((4, 2)), EDGE_M, 0.1, None)
+    for covariance in (None, 1e-6 * np.eye(6)):
+        assert folding.stated(replace(pose, covariance=covariance)).body is folding.body
 
 
 def test_one_face_alone_has_no_information_on_the_folds() -> None:
@@ -123,6 +156,8 @@ def test_the_most_crooked_of_cubes_are_found() -> None:
 
 def test_a_face_that_is_seen_alone_leaves_the_cubes_place_to_its_own_fold() -> None:
     folding, T = Folding(EDGE_M), looking(0.35, 50, 40)
+    # Before any is seen, it is as uncertain as one face about its own middle.
+    assert folding.pose_covariance == pytest.approx(np.diag([TURN_SIGMA**2] * 3 + [(SHIFT_SIGMA * EDGE_M) ** 2] * 3))
     folding.add(seen(T, Folds(), folding, [0]), T, CAMERA)
     of_one = folding.pose_covariance
     # A turn of the top about its middle moves the cube's middle, half an edge below it.
@@ -163,8 +198,31 @@ def test_frame_and_faces_are_off_together_as_the_picture_lets_them() -> None:
     # On the upper rim, as what stands on the table moves with the frame alone.
     above = points[:, 2] > EDGE_M / 2
     assert np.sqrt((together[above] ** 2).sum()) < 0.5 * np.sqrt((by_frame[above] ** 2).sum())
-    # And the frame's turn is as uncertain as folds make the pose's.
-    assert errors.pose[:3] @ errors.pose[:3].T == pytest.approx(folding.pose_covariance[:3, :3], rel=1e-6, abs=1e-12)
+    # And the frame is as uncertain as folds make the pose, which is by the camera's axes.
+    pose = pose_of(folding, {number: one.square for number, one in squares.items()})
+    axes = np.kron(np.eye(2), pose.T_cam_marker[:3, :3])
+    by_folds = folding.stated(pose).covariance - pose.covariance
+    assert axes @ errors.pose @ errors.pose.T @ axes.T == pytest.approx(by_folds, rel=1e-6, abs=1e-12)
+
+
+def test_the_bodys_corners_are_off_as_the_folds_that_move_them() -> None:
+    """By the differences of its corners, but for the order of turns; of these, those below stay on the table."""
+    folding, T = Folding(EDGE_M), looking(0.35, 50, 40)
+    squares = seen(T, Folds.drawn(np.random.default_rng(2), EDGE_M), folding, list(range(len(FACES))))
+    assert folding.add(squares, T, CAMERA)
+    errors, points = folding.stated(MarkerPose(T, np.zeros((4, 2)), EDGE_M, 0.1, None)).pose_shape_errors, {}
+    assert errors is not None
+    causes, folds = np.linalg.cholesky(folding._covariance), folding._folds
+    for cause in range(causes.shape[1]):
+        for step in (-1e-4, 1e-4):
+            folding._folds = folds + step * causes[:, cause].reshape(folds.shape)
+            folding._shape()
+            points[step] = folding.body.points_marker()
+        moved = (points[1e-4] - points[-1e-4]) / 2e-4
+        assert errors.points[:, :, cause] == pytest.approx(moved, abs=0.05 * np.abs(errors.points).max())
+    on_table = points[1e-4][:, 2] == 0
+    assert on_table.any()
+    assert not errors.points[on_table, 2].any()
 
 
 @pytest.mark.parametrize("component", range(6))

@@ -9,8 +9,8 @@ import pytest
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.errors import UserError
-from ashe_live.tracking.cube.faces import CORNERS, DICTIONARY, FACES, FIRST_ID
-from ashe_live.tracking.cube.sheet import largest_edge_mm, write_cube_sheet
+from ashe_live.tracking.cube.faces import CORNERS, DICTIONARY, FACES, FIRST_ID, TAG_SHARE
+from ashe_live.tracking.cube.sheet import ADVICE, FLAP_MM, SLANT, largest_edge_mm, write_cube_sheet
 from ashe_live.tracking.families.dictionary_marker import DICTIONARIES
 from ashe_live.tracking.families.layout import cube_layout
 
@@ -63,6 +63,33 @@ def test_folded_along_its_lines_the_sheet_is_the_cube_that_is_tracked(
         assert on_table == pytest.approx(edge_m * member.corners, abs=1e-4)
 
 
+def test_cut_along_its_lines_the_net_is_one_piece_of_six_faces_and_a_flap_for_each_open_edge(tmp_path: Path) -> None:
+    """Of a cube's twelve edges five hold the net together, and seven are glued."""
+    fine, fine_mm = sheet(tmp_path)
+    page = cv2.erode(fine, np.ones((4, 4), np.uint8))[::4, ::4].copy()  # no line is lost
+    edge_mm, mm_per_px = 1000 * EDGE_M, 4 * fine_mm
+    middle = corners_mm(fine, fine_mm)[FIRST_ID].mean(axis=0) / mm_per_px
+    _, left, _, _ = cv2.floodFill(page.copy(), None, (2, 2), 77)
+    _, parts = cv2.connectedComponents((left != 77).astype(np.uint8), connectivity=4)
+    piece = parts == parts[round(middle[1]), round(middle[0])]
+    flap_mm2 = FLAP_MM * (edge_mm - SLANT * FLAP_MM)
+    assert np.count_nonzero(piece) * mm_per_px**2 == pytest.approx(6 * edge_mm**2 + 7 * flap_mm2, rel=0.02)
+    # The middles of the folds, in edges from the top's: each is a line of dashes.
+    between = [(0, -0.5), (0, 0.5), (0, 1.5), (-0.5, 0), (0.5, 0)]
+    at_flaps = [(-1, -0.5), (-1, 0.5), (1, -0.5), (1, 0.5), (-0.5, 2), (0.5, 2), (0, 2.5)]
+    for x, y in between + at_flaps:
+        along = np.linspace(-0.45, 0.45, 400)[:, None] * ((0, 1) if x % 1 else (1, 0))
+        u, v = np.round(middle + edge_mm / mm_per_px * (along + np.array((x, y)))).astype(int).T
+        around = np.min([page[v + i, u + j] for i in (-1, 0, 1) for j in (-1, 0, 1)], axis=0)
+        assert 0.4 < np.mean(around < 220) < 0.85
+        assert piece[v, u].all()
+    # To the right of it, below the arm, each line of words stands by itself, and nothing is printed over another.
+    words = page[round(middle[1] + 0.5 * edge_mm / mm_per_px) :, round(middle[0] + 0.5 * edge_mm / mm_per_px) :] < 220
+    words &= ~piece[-words.shape[0] :, -words.shape[1] :]
+    begins = np.diff(words.any(axis=1).astype(int), prepend=0) == 1
+    assert np.count_nonzero(begins) == 1 + len(ADVICE) + 1
+
+
 def test_the_ruler_is_a_hundred_millimetres_long(tmp_path: Path) -> None:
     page, mm_per_px = sheet(tmp_path)
     below_the_net = page[int(0.6 * len(page)) :, : int(28 / mm_per_px)]
@@ -81,15 +108,26 @@ def test_the_largest_cube_stays_within_what_printers_reach(tmp_path: Path, paper
     assert page[~inside].min() == 255
 
 
-def test_around_each_print_the_face_is_white_but_for_its_number(tmp_path: Path) -> None:
+def test_around_each_print_the_face_is_white_but_for_its_number_at_the_lower_left(tmp_path: Path) -> None:
     page, mm_per_px = sheet(tmp_path)
-    top = corners_mm(page, mm_per_px)[FIRST_ID]
-    left, upper = (top.min(axis=0) - 1000 * EDGE_M * 0.13) / mm_per_px
-    right, lower = (top.max(axis=0) + 1000 * EDGE_M * 0.13) / mm_per_px
-    face = page[int(upper) : int(lower), int(left) : int(right)].copy()
-    depth = int(0.12 * 1000 * EDGE_M / mm_per_px)
-    rim = np.concatenate([face[:depth].ravel(), face[:, :depth].ravel(), face[:, -depth:].ravel()])
-    assert (rim < 250).mean() < 0.01
+    found = corners_mm(page, mm_per_px)
+    margin_mm = (1 - TAG_SHARE) / 2 * 1000 * EDGE_M
+    for number in range(len(FACES)):
+        corners = found[FIRST_ID + number]  # of the upright print, from the top-left one clockwise
+        inks = []
+        for at, corner in enumerate(corners):
+            along = [(corner - corners[at - step]) / np.linalg.norm(corner - corners[at - step]) for step in (1, 3)]
+            x, y = np.round((corner + margin_mm / 2 * np.sum(along, axis=0)) / mm_per_px).astype(int)
+            around = round(0.45 * margin_mm / mm_per_px)
+            inks.append((page[y - around : y + around, x - around : x + around] < 250).mean())
+        assert inks[:3] == pytest.approx([0, 0, 0], abs=1e-3)
+        assert 0.01 < inks[3] < 0.1
+        # And beside the sides nothing is printed.
+        for one, other in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+            out = np.array((other - one)[::-1] * (1, -1)) / np.linalg.norm(other - one)
+            places = np.linspace(one, other, 50)[:, None] + margin_mm * np.linspace(0.1, 0.9, 9)[:, None] * out
+            x, y = np.round(places / mm_per_px).astype(int).reshape(-1, 2).T
+            assert page[y, x].min() > 250
 
 
 @pytest.mark.parametrize("edge_m", [0.0, 0.02, 0.065, 0.2, float("nan"), float("inf")])

@@ -10,16 +10,18 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.light import LightEstimate
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, direction_from_angles, rigid
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators.preset import FAST
+from ashe_live.light.live.key_views import RENEWED_AFTER_S
 from ashe_live.light.live.worker import LightWorker
-from ashe_live.light.live.worker_messages import OtherScene
+from ashe_live.light.live.worker_messages import OtherScene, WorkerFailure
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.preset import BALANCED
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.estimates.light_watch import LightWatch
-from ashe_live.viewer.estimates.sharpening import EVERY_S
+from ashe_live.viewer.estimates.sharpening import EVERY_S, FUTILE
 
 PATIENCE_S = 240.0
 SIDES_DEG = (-100, -97, -94, -91, -88)
@@ -264,6 +266,196 @@ def test_views_by_another_focal_length_or_of_the_marker_elsewhere_are_not_asked_
     watch.key_views = fakes.KeyViews(seen, zoomed, elsewhere, asked)
     assert watch.ask(asked, 0.0)
     assert worker.others == (seen,)
+
+
+def test_a_doubted_frame_by_another_focal_length_or_of_the_marker_elsewhere_tells_nothing(fakes) -> None:
+    seen = replace(fakes.tracked(5), T_room_marker=np.eye(4))
+    zoomed = replace(seen, camera=Camera.from_hfov(seen.camera.size, 40))
+    elsewhere = replace(seen, T_room_marker=rigid(np.eye(3), (0.1, 0, 0)))
+    for after, tells in ((seen, True), (zoomed, False), (elsewhere, False)):
+        watch = LightWatch(worker := fakes.Worker())
+        watch.key_views = fakes.KeyViews(replace(fakes.tracked(1), T_room_marker=np.eye(4)))
+        assert watch.ask_in_background(replace(fakes.tracked(2), T_room_marker=np.eye(4)), 0.0)
+        answered(watch, fakes.estimate(2), (0,))
+        assert watch.ask_in_background(after, 1.0)
+        assert (worker.doubted is not None) is tells
+
+
+def test_what_is_in_progress_is_told_from_what_a_person_waits_for(fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    assert (watch.is_estimating, watch.is_awaited) == (False, False)
+    assert watch.how_it_gets_known == "Space estimates it"
+    assert watch.ask_in_background(fakes.tracked(1), 0.0)
+    assert (watch.is_estimating, watch.is_awaited) == (True, False)
+    assert watch.how_it_gets_known == "it is being estimated"
+    assert watch.ask(asked := fakes.tracked(2), 1.0), "it is given up for a person"
+    assert (watch.is_estimating, watch.is_awaited) == (True, True)
+    assert worker.requested[-1] is asked
+    worker.waited_s = 7.5
+    assert watch.waited_s == 7.5
+    answered(watch, fakes.estimate(2))
+    assert (watch.is_estimating, watch.is_awaited) == (False, False)
+
+
+def test_a_request_that_failed_is_made_again_as_awaited_until_it_has_failed_too_often(fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    assert not watch.sharpen(fakes.tracked(0), 0.0, None), "there is no answer to refine"
+    assert watch.ask(fakes.tracked(0), 0.0)
+    awaited = []
+    for now_s in range(1, 6):
+        worker.answer = failure = WorkerFailure(0, "odd")
+        assert watch.wait(0.0) is failure
+        assert watch.look_again(fakes.tracked(now_s), 10.0 * now_s, None)
+        awaited.append(watch.is_awaited)
+    assert awaited == [True] * (FUTILE - 1) + [False] * (6 - FUTILE)
+
+
+def settled(watch: LightWatch, fakes, light: LightEstimate) -> None:
+    """Further estimates of the key views gain nothing."""
+    for now_s in range(FUTILE + 1):
+        assert watch.ask_in_background(fakes.tracked(now_s), float(now_s))
+        answered(watch, light)
+    assert watch.sharpening.is_settled
+
+
+def test_a_light_that_is_followed_is_the_answer_once_it_has_moved(fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    watch.key_views = fakes.KeyViews(fakes.tracked(90), fakes.tracked(91))
+    settled(watch, fakes, known := fakes.estimate(1, sigma_rad=0.001))
+    worker.follows = True
+    for now_s, towards, is_moved in ((20.0, (1.0, 0.001, 1.0), False), (25.0, (1.0, 0.2, 1.0), True)):
+        assert watch.look_again(fakes.tracked(20), now_s, None)
+        worker.answer = followed = fakes.estimate(20, towards=towards)
+        answer = watch.wait(0.0)
+        assert (answer is not None) is is_moved
+        assert watch.held.estimate is (followed if is_moved else known)
+    assert answer.is_news
+    assert answer.estimate is followed
+
+
+def test_a_light_is_only_followed_for_half_a_minute_after_it_was_estimated_or_followed(fakes) -> None:
+    """By then the sun may have moved, and what it was found by with it."""
+    watch = LightWatch(worker := fakes.Worker())
+    watch.key_views = fakes.KeyViews(fakes.tracked(90), fakes.tracked(91))
+    settled(watch, fakes, light := fakes.estimate(1))
+    worker.follows = True
+    now_s = 0.0
+    for after_s, is_followed in ((0.9, True), (0.9, True), (1.1, False)):
+        now_s += after_s * RENEWED_AFTER_S
+        assert watch.look_again(fakes.tracked(20), now_s, None)
+        assert (worker.known[-1] is not None) is is_followed
+        answered(watch, light)
+
+
+def test_the_newest_key_view_is_looked_at_with_the_others(fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    assert watch.ask(fakes.tracked(1), 0.0)
+    answered(watch, fakes.estimate(1))
+    *others, newest = views = [fakes.tracked(index, tilt_deg=10 * index) for index in range(2, 6)]
+    watch.key_views = fakes.KeyViews(*views)
+    assert watch.sharpen(fakes.tracked(9), 1.0, None)
+    assert worker.requested[-1] is newest
+    assert list(worker.others) == others
+
+
+def test_while_a_hand_rests_there_the_views_are_kept(fakes) -> None:
+    """A changed scene without a light may be one with a hand in it; with one, it is another scene."""
+    for with_light in (False, True):
+        watch = LightWatch(fakes.Worker())
+        watch.key_views = fakes.KeyViews(*(views := (fakes.tracked(1), fakes.tracked(2))))
+        assert watch.ask(fakes.tracked(3), 0.0)
+        answered(watch, fakes.estimate(3))
+        for index in (4, 5):  # that shows another scene, which the second one confirms
+            assert watch.look_again(fakes.tracked(index), float(index), None)
+            answered(watch, fakes.estimate(index, with_light, towards=(-1.0, 0.0, 1.0)), (0, 1))
+            if index == 4:
+                before = watch.sharpening
+        assert (watch.sharpening is before) is not with_light
+        assert watch.held.is_news is with_light
+        assert watch.key_views.views == (() if with_light else views)
+
+
+def test_what_a_person_asked_for_stands_whatever_was_known(fakes) -> None:
+    watch = LightWatch(fakes.Worker())
+    for now_s, towards in enumerate(((1.0, 0.0, 1.0), (-1.0, 0.0, 1.0))):
+        assert watch.ask(fakes.tracked(now_s), float(now_s))
+        answered(watch, light := fakes.estimate(now_s, towards=towards))
+        assert watch.held.estimate is light
+        assert watch.held.is_news
+
+
+def test_the_same_views_are_looked_at_once_where_the_scene_is_the_same(fakes) -> None:
+    watch = LightWatch(fakes.Worker())
+    watch.key_views = fakes.KeyViews(fakes.tracked(1), fakes.tracked(2, tilt_deg=40))
+    assert watch.ask(fakes.tracked(3), 0.0)
+    answered(watch, fakes.estimate(3))
+    assert not watch.sharpen(fakes.tracked(4), 10.0, None)
+
+
+def test_estimates_are_made_often_as_long_as_they_gain_something_or_contradict_one_another(fakes) -> None:
+    watch = LightWatch(fakes.Worker())
+    sharper = [fakes.estimate(index, sigma_rad=0.1 * 0.8**index) for index in range(FUTILE + 2)]
+    alike = [sharper[-1]] * FUTILE
+    other = fakes.estimate(9, towards=(-1.0, 0.0, 1.0))
+    settles = [False] * len(sharper) + [False] * (FUTILE - 1) + [True] + [False]
+    for now_s, (estimate, is_settled) in enumerate(zip((*sharper, *alike, other), settles, strict=True)):
+        assert watch.ask_in_background(fakes.tracked(now_s), float(now_s))
+        answered(watch, estimate)
+        assert watch.sharpening.is_settled is is_settled
+
+
+@pytest.mark.parametrize("is_followed", [True, False])
+def test_a_view_that_shows_another_scene_is_dropped_and_a_doubt_with_it(is_followed, fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    watch.key_views = fakes.KeyViews(fakes.tracked(90), other := fakes.tracked(91))
+    settled(watch, fakes, light := fakes.estimate(1))
+    worker.follows = True
+    if not is_followed:
+        assert watch.look_again(fakes.tracked(20), 20.0, None)
+        answered(watch, light, (0, 1))
+        assert watch.sharpen(fakes.tracked(21), 21.0, None), "to see what has become of it"
+        assert worker.doubted.frame.index == 20
+    else:
+        assert watch.look_again(fakes.tracked(21), 20.0, None)
+    answered(watch, light, (0,))
+    assert watch.key_views.views == (other,)
+    assert watch.look_again(fakes.tracked(22), 25.0, None)
+    assert worker.doubted is None
+
+
+def test_a_light_that_was_found_over_the_empty_table_stays_so_while_it_is_followed(fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    watch.key_views = fakes.KeyViews(fakes.tracked(90), fakes.tracked(91))
+    worker.is_over_empty_table = True
+    settled(watch, fakes, fakes.estimate(1, sigma_rad=0.001))
+    worker.follows, worker.is_over_empty_table = True, False
+    for now_s, towards in ((20.0, (1.0, 0.2, 1.0)), (25.0, (1.0, 0.4, 1.0))):
+        assert watch.look_again(fakes.tracked(20), now_s, None)
+        worker.answer = fakes.estimate(20, towards=towards, sigma_rad=0.001)
+        assert watch.wait(0.0).is_over_empty_table
+    assert watch.ask(fakes.tracked(30), 30.0)
+    worker.answer = fakes.estimate(30)
+    assert not watch.wait(0.0).is_over_empty_table
+
+
+def test_the_empty_table_is_asked_for_only_where_it_may_be_shown_to_some_use(fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    assert not watch.may_show_empty_table, "the camera of a clip is not moved any more"
+    watch.camera_may_move = True
+    assert watch.may_show_empty_table
+    worker.takes_one_frame = True
+    assert not watch.may_show_empty_table
+    assert watch.show_empty_table(fakes.tracked(1)) == "this estimator makes no use of the empty table"
+    worker.takes_one_frame, watch.is_photo = False, True
+    assert "takes a photo of the empty table" in watch.show_empty_table(fakes.tracked(1))
+    watch.is_photo, seen = False, fakes.tracked(1)
+    body = Proxy("box", np.zeros((1, 5)))
+    on_cube = replace(seen, marker=replace(seen.marker, body=body))
+    assert "the paper cube" in watch.show_empty_table(on_cube)
+    assert watch.empty_table.frame is None
+    assert watch.may_show_empty_table
+    watch.show_empty_table(seen)
+    assert not watch.may_show_empty_table, "it is known"
 
 
 def test_a_second_request_of_who_waits_already_changes_nothing(fakes) -> None:

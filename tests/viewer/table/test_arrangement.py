@@ -235,6 +235,9 @@ def test_a_drag_moves_no_model_but_the_one_that_it_grabbed(make, fakes, command)
 
 def test_a_model_stands_on_its_own_marker_and_is_as_large_as_that(make, fakes):
     session = make(ChosenModel("mug", OTHER))
+    assert places(session) == [UNMOVED, None], "before the first frame"
+    session.take(fakes.tracked(0, has_marker=False), 0.0)
+    assert places(session) == [UNMOVED, None]
     session.take(fakes.tracked(0), 0.0)
     assert places(session) == [UNMOVED, None]
     assert bare_scene(session).others[0][1] is None
@@ -348,6 +351,20 @@ def test_a_model_that_is_taken_up_again_still_awaits_the_one_that_was_chosen_for
     loaded(session, "mug", slow_models)
     assert names(session) == ["mug", "cube"]
     assert session.table.in_hand_text == "mug (1 of 2)"
+
+
+def test_a_model_that_is_turned_up_is_so_also_where_another_is_taken_up_meanwhile(make, fakes, slow_models):
+    slow_models.set()
+    session = make(ChosenModel("mug"))
+    session.take(fakes.tracked(0), 0.0)
+    slow_models.clear()
+    asked(session, Command.NEXT_IN_HAND)
+    before = session.arrangement.stands[1].model.model.up
+    asked(session, Command.TURN_UP, Command.NEXT_IN_HAND)
+    assert session.arrangement.stands[1].model.model.up == before
+    loaded(session, "mug", slow_models)
+    assert session.arrangement.stands[1].model.model.up != before
+    assert names(session) == ["cube", "mug"]
 
 
 def test_a_model_stays_where_the_one_that_was_chosen_for_it_cannot_be_read(make, fakes, slow_models):

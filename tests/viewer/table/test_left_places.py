@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ashe_live.core.light import Light
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.square import PlaneMarker
 from ashe_live.core.types import TrackedFrame
 from ashe_live.models.catalogue import ChosenModel
 from ashe_live.models.memory import ModelMemory
@@ -95,14 +97,15 @@ def test_a_run_that_moves_nothing_changes_nothing(run, tmp_path: Path) -> None:
 
 
 def test_each_place_among_several_is_remembered_by_itself(run) -> None:
-    beside = (ChosenModel("mug"), ChosenModel("mug", "aruco:4x4_50:7"))
+    beside = (ChosenModel("mug"), ChosenModel("mug", "aruco:4x4_50:7"), ChosenModel("mug", "aruco:4x4_50:8"))
     session = run(others=beside)
-    session.handle(Request(Command.NEXT_IN_HAND), 0.0)
-    left(session, LEFT)
+    expected = [replace(LEFT, turn_rad=0.1 * number) for number in range(len(beside) + 1)]
+    for placement in expected:
+        left(session, placement)
+        session.handle(Request(Command.NEXT_IN_HAND), 0.0)
     again = run(others=beside)
-    placements = [stand.placement for stand in again.arrangement._stands]
-    assert [same(each, UNMOVED) for each in placements] == [True, False, True]
-    assert same(placements[1], LEFT)
+    for stand, placement in zip(again.arrangement._stands, expected, strict=True):
+        assert same(stand.placement, placement)
 
 
 def test_another_clip_shows_what_another_run_would(run) -> None:
@@ -112,14 +115,66 @@ def test_another_clip_shows_what_another_run_would(run) -> None:
     assert same(session.hand.placement, LEFT)
 
 
+def on_cube(flat: TrackedFrame, others: tuple[PlaneMarker, ...] = ()) -> TrackedFrame:
+    body = Proxy("box", np.column_stack([flat.marker.side_m * CORNERS, np.zeros((8, 2))]))
+    return replace(flat, marker=replace(flat.marker, body=body), others=others)
+
+
+@pytest.mark.parametrize("moved_m", [None, (0.15, 0.01)], ids=["turned alone", "moved"])
+def test_beside_a_body_a_model_comes_back_as_it_was_left_in_this_run(run, fakes, moved_m) -> None:
+    """Where it was only turned, where models stand there, and not in the body."""
+    session = run()
+    session.take(on_cube(fakes.tracked(0)), 0.0)
+    beside = session.hand.placement
+    session.hand.placement = as_left = replace(beside, turn_rad=1.0, shift_m=moved_m or beside.shift_m)
+    shelf = session.table.shelf
+    for name in ("tree", "mug"):
+        shelf.loaded(name)
+        session.handle(Request(Command.CHOOSE_MODEL, shelf.names.index(name)), 0.0)
+        session.poll(0.0)
+        assert shelf.shown_name == name
+        assert (session.hand.placement == as_left) == (name == "mug")
+    session.arrangement.keep_places()
+    on_a_flat_marker = run().hand.placement
+    assert same(on_a_flat_marker, replace(as_left, shift_m=moved_m or UNMOVED.shift_m))
+
+
+def test_in_a_new_light_models_step_out_of_the_bodys_shadow_but_for_those_that_were_moved(run, fakes) -> None:
+    """What else was done to them stays as it is."""
+    seen = on_cube(fakes.tracked(0))
+    session = run(others=[ChosenModel("tree"), ChosenModel("mug")])
+    session.take(seen, 0.0)
+    larger, moved, unmoved = session.arrangement._stands
+    session.hand.placement = replace(larger.placement, scale=1.5)
+    moved_by_hand = replace(moved.placement, shift_m=(0.2, 0.1))
+    session.arrangement._stands[1] = replace(moved, placement=moved_by_hand)
+    to_light = np.array((*larger.placement.shift_m, 0.1))  # from over it, so that the shadow falls away from it
+    for light in (Light(to_light), Light(to_light * (-1, -1, 1))):
+        session.arrangement.stand_clear(seen, light, in_its_place=False, in_new_light=True)
+        first = first_places(seen, light)
+        now = [stand.placement for stand in session.arrangement.stands]
+        assert now[0] == replace(larger.placement, scale=1.5, shift_m=first.of(0).shift_m)
+        assert now[1] == moved_by_hand
+        assert now[2] == first.of(unmoved.seat)
+    assert first.of(0).shift_m != larger.placement.shift_m
+
+
+def test_on_a_flat_marker_beside_the_body_a_model_stands_as_on_any(run, fakes) -> None:
+    spec, at_m = "aruco:4x4_50:7", (0.2, 0.1)
+    flat = fakes.tracked(0)
+    session = run(others=[ChosenModel("mug", spec)])
+    session.handle(Request(Command.NEXT_IN_HAND), 0.0)
+    session.handle(Request(Command.SCALE_MODEL, 2), 0.0)
+    session.take(on_cube(flat, (PlaneMarker(spec, np.array(at_m), 0.0, flat.marker.side_m),)), 0.0)
+    _, (_, _, placement) = session.arrangement.models(session.tracked)
+    assert placement.shift_m == pytest.approx(at_m)
+
+
 def test_beside_a_body_a_model_is_as_large_as_it_was_left_and_as_clear_of_it_as_any(run, fakes) -> None:
     left(run(), LEFT)
-    flat = fakes.tracked(0)
-    body = Proxy("box", np.column_stack([flat.marker.side_m * CORNERS, np.zeros((8, 2))]))
-    on_cube = TrackedFrame(flat.frame, flat.camera, replace(flat.marker, body=body))
     session = run()
-    session.take(on_cube, 0.0)
-    beside = first_places(on_cube, None).of(0)
+    session.take(seen := on_cube(fakes.tracked(0)), 0.0)
+    beside = first_places(seen, None).of(0)
     assert beside.shift_m != UNMOVED.shift_m
     assert same(session.hand.placement, Placement(LEFT.scale, LEFT.turn_rad, beside.shift_m))
     # A body's place is no reason to forget the other.
