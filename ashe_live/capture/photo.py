@@ -25,6 +25,9 @@ FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
 # Focal lengths that cameras state for 35 mm film; and shapes that they take: longer ones are cut or stitched.
 LEAST_FILM_MM, MOST_FILM_MM = 8.0, 600.0
 LONGEST_SHAPE, SAME_SHAPE = 1.8, 0.02
+# Shapes of sensors: of phones and small cameras, and that of film. Of a longer or squarer picture (16:9, square) the
+# camera has left out a part, and states what its whole sensor sees; the cameras that do so are mostly phones.
+PHONE_SHAPE, FILM_SHAPE = 4 / 3, 3 / 2
 NEW_SUBFILE_TYPE = 254
 # How the stored picture is to be changed for EXIF's orientations (tag 0x112); 1 is upright.
 UPRIGHT = {
@@ -190,7 +193,17 @@ def _focal_px(picture: PIL.Image.Image) -> float | None:
     is_whole = min(taken) <= 0 or abs(max(taken) / min(taken) * shorter / longer - 1) <= SAME_SHAPE
     if not (LEAST_FILM_MM <= millimetres <= MOST_FILM_MM and longer <= LONGEST_SHAPE * shorter and is_whole):
         return None
-    return millimetres * math.hypot(longer, shorter) / math.hypot(36, 24)
+    return millimetres * _sensor_diagonal(longer, shorter) / math.hypot(36, 24)
+
+
+def _sensor_diagonal(longer: float, shorter: float) -> float:
+    """Of all that the sensor sees, in pixels of a picture with these sides."""
+    shape = longer / shorter
+    if shape > FILM_SHAPE * (1 + SAME_SHAPE):
+        return math.hypot(longer, longer / PHONE_SHAPE)
+    if shape < PHONE_SHAPE * (1 - SAME_SHAPE):
+        return math.hypot(shorter * PHONE_SHAPE, shorter)
+    return math.hypot(longer, shorter)
 
 
 def _rgb_8bit(picture: PIL.Image.Image) -> Image:
