@@ -18,6 +18,7 @@ from ashe_live.capture.sources import MAX_PIXELS, Source, refuse_too_large, too_
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
+from ashe_live.files.pixels import upright, with_8_bits
 from ashe_live.files.reading import opened
 from ashe_live.files.slow_pictures import opened_picture, refuse_slow_decoder
 
@@ -29,16 +30,6 @@ LONGEST_SHAPE, SAME_SHAPE = 1.8, 0.02
 # camera has left out a part, and states what its whole sensor sees; the cameras that do so are mostly phones.
 PHONE_SHAPE, FILM_SHAPE = 4 / 3, 3 / 2
 NEW_SUBFILE_TYPE = 254
-# How the stored picture is to be changed for EXIF's orientations (tag 0x112); 1 is upright.
-UPRIGHT = {
-    2: PIL.Image.Transpose.FLIP_LEFT_RIGHT,
-    3: PIL.Image.Transpose.ROTATE_180,
-    4: PIL.Image.Transpose.FLIP_TOP_BOTTOM,
-    5: PIL.Image.Transpose.TRANSPOSE,
-    6: PIL.Image.Transpose.ROTATE_270,
-    7: PIL.Image.Transpose.TRANSVERSE,
-    8: PIL.Image.Transpose.ROTATE_90,
-}
 # As the largest picture has without compression, with transparency.
 MOST_FILE_BYTES = 4 * MAX_PIXELS
 # More than a camera's JPEGs and HEICs have. Larger ones are read apart, and known by what they begin with.
@@ -164,17 +155,7 @@ def _decoded(path: Path, picture: PIL.Image.Image) -> tuple[Image, float | None]
             "develop it to JPEG, or let the camera save JPEG as well",
         )
     focal_px = _focal_px(picture)
-    return np.asarray(cv2.cvtColor(_rgb_8bit(_upright(picture)), cv2.COLOR_RGB2BGR), dtype=np.uint8), focal_px
-
-
-def _upright(picture: PIL.Image.Image) -> PIL.Image.Image:
-    """As its EXIF data say. Pillow's own function also writes these anew, which fails where any of them is damaged."""
-    picture.load()  # where a TIFF is turned already, and no longer says how
-    try:
-        turn = UPRIGHT.get(picture.getexif().get(PIL.ExifTags.Base.Orientation, 1))
-    except Exception:  # as in _focal_px
-        return picture
-    return picture if turn is None else picture.transpose(turn)
+    return np.asarray(cv2.cvtColor(_rgb_8bit(upright(picture)), cv2.COLOR_RGB2BGR), dtype=np.uint8), focal_px
 
 
 def _focal_px(picture: PIL.Image.Image) -> float | None:
@@ -209,8 +190,7 @@ def _sensor_diagonal(longer: float, shorter: float) -> float:
 def _rgb_8bit(picture: PIL.Image.Image) -> Image:
     """(h, w, 3) uint8 sRGB: 16 bits reduced to 8, grey repeated, what is transparent laid on white."""
     if picture.mode.startswith("I"):
-        grey = np.asarray(picture.convert("I")).clip(0, 65535) >> 8
-        return np.repeat(grey.astype(np.uint8)[:, :, None], 3, axis=2)
+        return np.asarray(with_8_bits(picture).convert("RGB"))
     profile = picture.info.get("icc_profile")
     if picture.has_transparency_data:
         layer = picture.convert("RGBA")
