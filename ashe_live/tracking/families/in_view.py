@@ -18,9 +18,10 @@ from ashe_live.tracking.families.layout import in_words
 
 # Long codes first: a chance likeness to one of the short ones is no news where a long one is read.
 FAMILIES = ("apriltag_36h11", "7x7_1000", "6x6_1000", "5x5_1000", "4x4_250")
-# Only where none of these is seen, also not in mirror image, in which 4x4_50:0 is 4x4_1000:871. Random cells are one of
-# a thousand short codes in 6 % of cases, and number 0 of the original family is a stripe, as many a thing has.
-DOUBTFUL_FAMILIES = ("original", "4x4_1000")
+# Only where none of these is seen, as few people print them; nor in mirror image, in which 4x4_50:0 is 4x4_1000:871.
+# Random cells are one of a thousand short codes in 6 % of cases, and number 0 of the original family is a stripe, as
+# many a thing has.
+OTHER_FAMILIES = ("mip_36h12", "apriltag_36h10", "apriltag_25h9", "original", "apriltag_16h5", "4x4_1000")
 SIZES = (50, 100, 250, 1000)  # of each ArUco family; the smaller ones are the beginning of the larger
 MIN_SIDE_PX = 20.0
 MOST_PX = 1280  # of the longer side: what is larger is looked at reduced
@@ -41,7 +42,7 @@ def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
     grey = _looked_at(image_bgr)
     found = _read(grey)
     if not found:
-        found = _read_cell_by_cell(grey, DOUBTFUL_FAMILIES)
+        found = _read_cell_by_cell(grey, OTHER_FAMILIES)
         if found and _read(_mirrored(grey)):
             return ()
     return _specs(found)
@@ -138,6 +139,6 @@ def _spec(family: str, number: int) -> str:
     if family.startswith("apriltag_"):
         return f"apriltag:{family.removeprefix('apriltag_')}:{number}"
     cells, _, size = family.partition("_")
-    if not size:
+    if not size.isdecimal():
         return f"aruco:{family}:{number}"
     return f"aruco:{cells}_{next(one for one in SIZES if number < one)}:{number}"

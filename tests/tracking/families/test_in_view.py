@@ -15,6 +15,9 @@ from tests.painted_cubes import CAMERA, CubeScene, looking, painted, sun
 SPECS = ("aruco:4x4_50:7", "aruco:5x5_250:200", "apriltag:36h11:12", "aruco:6x6_100:50", "aruco:7x7_1000:999")
 
 
+RARE = ("aruco:mip_36h12:40", "apriltag:36h10:2000", "apriltag:25h9:3", "apriltag:16h5:7", "aruco:original:700")
+
+
 def table(*specs: str, side_px: int = 120) -> np.ndarray:
     """Prints side by side on grey, a little blurred and turned."""
     grey = np.full((480, 640), 200, np.uint8)
@@ -26,8 +29,9 @@ def table(*specs: str, side_px: int = 120) -> np.ndarray:
     return cv2.cvtColor(cv2.GaussianBlur(turned, (0, 0), 1.0), cv2.COLOR_GRAY2BGR)
 
 
-@pytest.mark.parametrize("spec", SPECS)
+@pytest.mark.parametrize("spec", [*SPECS, *RARE])
 def test_a_marker_is_named_as_it_is_asked_for(spec: str) -> None:
+    """Of every family, also those that few people print."""
     assert markers_in_view(table(spec)) == (spec,)
 
 
