@@ -151,11 +151,11 @@ class FileRecord:
     estimate: LightEstimate | None = None
     timing_ms: Mapping[str, float] | None = None
     in_view: tuple[str, ...] = ()  # specs of other markers, if the one that was looked for is not found
-    mirrored: tuple[str, ...] = ()  # of those that are seen in mirror image, if no other is; not part of the line
     places: tuple[tuple[str, int], ...] = ()  # file and frame of each of the estimate's views, if of several files
     looked_for: str = ""  # spec of the marker; not part of the line
     is_photo: bool = False  # whether `frame` is all that is in the file; not part of the line
     is_fault: bool = False  # whether the error is the program's own; not part of the line
+    mirrored: tuple[str, ...] = ()  # specs of markers in mirror image, if no other is in view; not part of the line
 
     def to_json(self) -> Json:
         reason = self.error or "no marker found"
