@@ -18,6 +18,7 @@ from ashe_live.capture.sources import MAX_PIXELS, Source, refuse_too_large, too_
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
+from ashe_live.files.pixels import upright, with_8_bits
 from ashe_live.files.reading import opened
 from ashe_live.files.slow_pictures import opened_picture, refuse_slow_decoder
 
@@ -25,17 +26,10 @@ FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
 # Focal lengths that cameras state for 35 mm film; and shapes that they take: longer ones are cut or stitched.
 LEAST_FILM_MM, MOST_FILM_MM = 8.0, 600.0
 LONGEST_SHAPE, SAME_SHAPE = 1.8, 0.02
+# Shapes of sensors: of phones and small cameras, and that of film. Of a longer or squarer picture (16:9, square) the
+# camera has left out a part, and states what its whole sensor sees; the cameras that do so are mostly phones.
+PHONE_SHAPE, FILM_SHAPE = 4 / 3, 3 / 2
 NEW_SUBFILE_TYPE = 254
-# How the stored picture is to be changed for EXIF's orientations (tag 0x112); 1 is upright.
-UPRIGHT = {
-    2: PIL.Image.Transpose.FLIP_LEFT_RIGHT,
-    3: PIL.Image.Transpose.ROTATE_180,
-    4: PIL.Image.Transpose.FLIP_TOP_BOTTOM,
-    5: PIL.Image.Transpose.TRANSPOSE,
-    6: PIL.Image.Transpose.ROTATE_270,
-    7: PIL.Image.Transpose.TRANSVERSE,
-    8: PIL.Image.Transpose.ROTATE_90,
-}
 # As the largest picture has without compression, with transparency.
 MOST_FILE_BYTES = 4 * MAX_PIXELS
 # More than a camera's JPEGs and HEICs have. Larger ones are read apart, and known by what they begin with.
@@ -165,23 +159,13 @@ def _decoded(path: Path, picture: PIL.Image.Image) -> _Photo:
         )
     focal_px = _focal_px(picture)
     is_animation = picture.format in MAY_MOVE and getattr(picture, "n_frames", 1) > 1
-    image_bgr = np.asarray(cv2.cvtColor(_rgb_8bit(_upright(picture)), cv2.COLOR_RGB2BGR), dtype=np.uint8)
+    image_bgr = np.asarray(cv2.cvtColor(_rgb_8bit(upright(picture)), cv2.COLOR_RGB2BGR), dtype=np.uint8)
     return _Photo(image_bgr, focal_px, is_animation)
 
 
 def _is_preview(picture: PIL.Image.Image) -> bool:
     """Whether it is what raw files (DNG, NEF, ARW) begin with: TIFF 6.0, NewSubfileType, bit 0."""
     return isinstance(picture, TiffImageFile) and bool(int(picture.tag_v2.get(NEW_SUBFILE_TYPE, 0)) & 1)
-
-
-def _upright(picture: PIL.Image.Image) -> PIL.Image.Image:
-    """As its EXIF data say. Pillow's own function also writes these anew, which fails where any of them is damaged."""
-    picture.load()  # where a TIFF is turned already, and no longer says how
-    try:
-        turn = UPRIGHT.get(picture.getexif().get(PIL.ExifTags.Base.Orientation, 1))
-    except Exception:  # as in _focal_px
-        return picture
-    return picture if turn is None else picture.transpose(turn)
 
 
 def _focal_px(picture: PIL.Image.Image) -> float | None:
@@ -200,14 +184,23 @@ def _focal_px(picture: PIL.Image.Image) -> float | None:
     is_whole = min(taken) <= 0 or abs(max(taken) / min(taken) * shorter / longer - 1) <= SAME_SHAPE
     if not (LEAST_FILM_MM <= millimetres <= MOST_FILM_MM and longer <= LONGEST_SHAPE * shorter and is_whole):
         return None
-    return millimetres * math.hypot(longer, shorter) / math.hypot(36, 24)
+    return millimetres * _sensor_diagonal(longer, shorter) / math.hypot(36, 24)
+
+
+def _sensor_diagonal(longer: float, shorter: float) -> float:
+    """Of all that the sensor sees, in pixels of a picture with these sides."""
+    shape = longer / shorter
+    if shape > FILM_SHAPE * (1 + SAME_SHAPE):
+        return math.hypot(longer, longer / PHONE_SHAPE)
+    if shape < PHONE_SHAPE * (1 - SAME_SHAPE):
+        return math.hypot(shorter * PHONE_SHAPE, shorter)
+    return math.hypot(longer, shorter)
 
 
 def _rgb_8bit(picture: PIL.Image.Image) -> Image:
     """(h, w, 3) uint8 sRGB: 16 bits reduced to 8, grey repeated, what is transparent laid on white."""
     if picture.mode.startswith("I"):
-        grey = np.asarray(picture.convert("I")).clip(0, 65535) >> 8
-        return np.repeat(grey.astype(np.uint8)[:, :, None], 3, axis=2)
+        return np.asarray(with_8_bits(picture).convert("RGB"))
     profile = picture.info.get("icc_profile")
     if picture.has_transparency_data:
         layer = picture.convert("RGBA")

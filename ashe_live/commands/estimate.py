@@ -179,7 +179,7 @@ def _answer_text(record: FileRecord, is_marker_named: bool) -> str:
     if record.error is not None:
         return record.error
     if record.marker is None:
-        return not_found_text(record.looked_for, record.in_view, is_marker_named)
+        return not_found_text(record.looked_for, record.in_view, is_marker_named, record.mirrored)
     estimate = record.estimate
     assert estimate is not None
     if not estimate.lights:
@@ -193,8 +193,8 @@ def _answer_text(record: FileRecord, is_marker_named: bool) -> str:
 
 
 def _shows_no_marker(record: FileRecord) -> bool:
-    """Whether the file could be read and has no marker at all, neither the one that is looked for nor another."""
-    return record.error is None and record.marker is None and not record.in_view
+    """Whether the file could be read and has no marker at all: the one that is looked for, another, or one mirrored."""
+    return record.error is None and record.marker is None and not record.in_view and not record.mirrored
 
 
 def _status(record: FileRecord) -> ExitStatus:

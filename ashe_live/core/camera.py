@@ -32,6 +32,8 @@ FOCAL_SIGMA: dict[CameraSource, float] = {
     "estimated": 0.08,
 }
 DISTORTION_LENGTHS = (4, 5, 8, 12, 14)
+# Names of models whose four coefficients are no k1, k2, p1, p2, as files of other programs state them.
+FOREIGN_MODELS = ("fisheye", "equidistant", "kannala")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -175,9 +177,10 @@ def read_camera_file(path: str | Path) -> Camera:
     remedy = 'it needs {"size": [width, height], "K": 3x3 numbers, "dist": [k1, k2, p1, p2, k3]}'
     path = arguments.path(path, "path")
     try:
-        content = read_json(path)
+        content = read_json(path, remedy=remedy)
         if not isinstance(content, dict):
             raise ValueError("it is no object in braces")
+        _check_model(content)
         size, K, dist = content["size"], content["K"], content.get("dist") or [0.0] * 5
         if not (isinstance(size, list) and len(size) == 2):
             raise ValueError("size is not a width and a height")
@@ -189,6 +192,14 @@ def read_camera_file(path: str | Path) -> Camera:
         raise UserError(f"the camera file {path} is not a calibration: it has no {error}", remedy) from error
     except (ValueError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise UserError(f"the camera file {path} is not a calibration ({error})", remedy) from error
+
+
+def _check_model(content: dict[str, object]) -> None:
+    """Raises ValueError for a file that names a model whose coefficients would be taken for others."""
+    for key, value in content.items():
+        name = str(value).lower()
+        if "model" in key.lower() and any(foreign in name for foreign in FOREIGN_MODELS):
+            raise ValueError(f"its {key} is {value!r}, and only OpenCV's model with k1, k2, p1, p2 is read")
 
 
 def _check_lens(camera: Camera) -> None:

@@ -155,6 +155,7 @@ class FileRecord:
     looked_for: str = ""  # spec of the marker; not part of the line
     is_photo: bool = False  # whether `frame` is all that is in the file; not part of the line
     is_fault: bool = False  # whether the error is the program's own; not part of the line
+    mirrored: tuple[str, ...] = ()  # specs of markers in mirror image, if no other is in view; not part of the line
 
     def to_json(self) -> Json:
         reason = self.error or "no marker found"

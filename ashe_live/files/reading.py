@@ -83,15 +83,18 @@ def read_text(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> str:
         ) from None
 
 
-def read_json(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> Any:
-    """As `read_text`, parsed. Raises UserError for what is not JSON, which has no NaN and no infinite numbers."""
+def read_json(path: Path, most_bytes: int = MOST_SETTINGS_BYTES, remedy: str = "write or export it again") -> Any:
+    """As `read_text`, parsed. Raises UserError for what is not JSON, which has no NaN and no infinite numbers.
+
+    `remedy`: what helps where it is not JSON.
+    """
     text = read_text(path, most_bytes)
     if not text.strip():
         raise _empty(path)
     try:
         return json.loads(text, parse_constant=_refused, parse_float=_finite, parse_int=_whole)
     except (ValueError, RecursionError) as error:
-        raise UserError(f"{path} is not JSON ({parsers_words(error)})", "write or export it again") from None
+        raise UserError(f"{path} is not JSON ({parsers_words(error)})", remedy) from None
 
 
 def parsers_words(error: Exception) -> str:

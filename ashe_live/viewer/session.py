@@ -54,6 +54,7 @@ class Session:
         self.view = ViewOptions(self.notice)
         self.has_named_marker = True  # whether a person has named the one that is looked for
         self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the followed marker is out of view
+        self.mirrored_markers: tuple[str, ...] = ()  # of those in mirror image, while there are no others either
         self.room_light = RoomLight()
         self.first = first
         self._by_hand_s = -math.inf

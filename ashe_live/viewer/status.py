@@ -7,7 +7,7 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.drawing.light_text import light_text
 from ashe_live.render.gl.framing import corners_of, framing
 from ashe_live.render.lights.light_view import sees, sees_all
-from ashe_live.tracking.families.in_view import in_view_text
+from ashe_live.tracking.families.in_view import in_view_text, mirrored_text
 from ashe_live.tracking.families.layout import in_words, the_marker
 from ashe_live.viewer.session import Session
 
@@ -25,6 +25,7 @@ LAMP_BELOW = "the lamp is below the table: it gives no light"
 OUT_OF_PICTURE = "the model stands outside the picture: Backspace puts it back"
 LAMP_INSIDE = "the lamp is inside the model or touches it: it casts no shadow"
 LAMP_AMONG_MANY = "so many models stand around the lamp that some of them cast no shadow in it"
+MIRROR_KEY = "W mirrors what the window shows, and the marker is found all the same"
 NO_MARKER = (
     "no marker yet: `ashe-live marker --out marker.pdf` makes one to print,",
     "`ashe-live marker --show` shows one on a screen; lay it flat, all of it in view",
@@ -151,6 +152,8 @@ def guidance(session: Session) -> tuple[str, ...]:
     if session.markers_in_view:
         specs = session.markers_in_view
         return (f"{in_view_text(specs)}: M follows {in_words(specs[0])}",)
+    if session.mirrored_markers:
+        return mirrored_text(session.mirrored_markers), MIRROR_KEY
     if _awaits_marker(session):
         if session.watch.camera_may_move:
             return NO_MARKER

@@ -1,5 +1,6 @@
 """Photos as phones, scanners and painting programs write them, as 8-bit BGR, upright."""
 
+import math
 import os
 import signal
 import struct
@@ -441,6 +442,17 @@ def test_the_focal_length_is_that_of_35_mm_film(tmp_path: Path, rgb: Image) -> N
         assert source.focal_px == pytest.approx(26 * 60 / 36)
     with PhotoSource(with_exif(tmp_path / "b.jpg", rgb, 26, taken=(6000, 4000))) as source:
         assert source.focal_px == pytest.approx(26 * 60 / 36)
+
+
+@pytest.mark.parametrize("cut", [(400, 300), (300, 400), (400, 225), (225, 400), (300, 300), (375, 300), (398, 300)])
+def test_what_the_camera_leaves_out_of_its_sensors_picture_changes_no_focal_length(
+    tmp_path: Path, cut: tuple[int, int]
+) -> None:
+    """Phones take 4:3; as 16:9, 5:4 or as a square they state the same, as the lens sees on the same sensor."""
+    width, height = cut
+    path = with_exif(tmp_path / "a.jpg", np.zeros((height, width, 3), np.uint8), 26, taken=cut)
+    with PhotoSource(path) as source:
+        assert source.focal_px == pytest.approx(26 * 500 / math.hypot(36, 24), rel=0.004)
 
 
 def test_no_focal_length_is_better_than_a_wrong_one(tmp_path: Path, rgb: Image) -> None:

@@ -181,6 +181,41 @@ def test_a_file_that_is_no_calibration_is_named(tmp_path: Path, content: str) ->
 
 
 @pytest.mark.parametrize(
+    "content",
+    [
+        "%YAML:1.0\n---\nimage_width: 640\n",  # as OpenCV's FileStorage writes it
+        "image_width: 640\ncamera_matrix:\n  rows: 3\n",  # as ROS does
+        '<?xml version="1.0"?>\n<opencv_storage></opencv_storage>\n',
+        "1 SIMPLE_RADIAL 640 480 600 320 240 0.01\n",  # as COLMAP does
+    ],
+)
+def test_of_other_programs_calibrations_it_is_said_what_is_needed(tmp_path: Path, content: str) -> None:
+    """To write them again, as they are, would not help."""
+    path = tmp_path / "camera.yaml"
+    path.write_text(content)
+    with pytest.raises(UserError, match="is not JSON") as caught:
+        read_camera_file(path)
+    assert '{"size": [width, height], "K": 3x3 numbers' in caught.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("key", "model", "is_read"),
+    [("distortion_model", "equidistant", False), ("model", "Fisheye", False), ("distortion_model", "plumb_bob", True)],
+)
+def test_four_coefficients_of_a_fisheye_model_are_taken_for_no_others(
+    tmp_path: Path, key: str, model: str, is_read: bool
+) -> None:
+    path = tmp_path / "camera.json"
+    K = [[400, 0, 319.5], [0, 400, 239.5], [0, 0, 1]]
+    path.write_text(json.dumps({"size": [640, 480], "K": K, "dist": [0.1, 0.01, 0.0, 0.0], key: model}))
+    if is_read:
+        assert read_camera_file(path).is_distorted
+        return
+    with pytest.raises(UserError, match=model):
+        read_camera_file(path)
+
+
+@pytest.mark.parametrize(
     ("K", "words"),
     [
         ("[[430,200,320],[0,430,240],[0,0,1]]", "skew"),

@@ -61,6 +61,9 @@ def test_until_a_marker_was_seen_it_says_how_to_get_one(make, fakes):
     assert not any("cube" in line for line in guidance(session))
     session.watch.camera_may_move = True
     assert any("marker --show" in line for line in guidance(session))
+    session.mirrored_markers = ("aruco:4x4_50:0",)
+    assert guidance(session)[0].startswith("aruco:4x4_50:0 is in view, but in mirror image: ")
+    session.mirrored_markers = ()
     session.take(fakes.tracked(), 0.0)
     session.take(fakes.tracked(has_marker=False), 0.0)
     assert guidance(session) == ()

@@ -31,7 +31,7 @@ from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
 from ashe_live.light.live.same_scene import first_of_most, of_one_scene
 from ashe_live.process.messages import listed, print_message, printable
 from ashe_live.process.unexpected_errors import fault, outer_cause, show_traceback
-from ashe_live.tracking.families.in_view import markers_in_view
+from ashe_live.tracking.families.in_view import markers_in_view, mirrored_in_view
 from ashe_live.tracking.tracker import MarkerTracker
 
 Result = TypeVar("Result")
@@ -132,7 +132,9 @@ class FileEstimator:
             return _Looked(path, record, seen, tracker)
         in_view = markers_in_view(tracked.frame.image_bgr)
         times = {"detect": tracked.detect_ms, "total": tracked.detect_ms}
-        record = dataclasses.replace(record, timing_ms=times, in_view=in_view, looked_for=chosen.marker)
+        mirrored = () if in_view else mirrored_in_view(tracked.frame.image_bgr)
+        shown = {"in_view": in_view, "mirrored": mirrored, "looked_for": chosen.marker}
+        record = dataclasses.replace(record, timing_ms=times, **shown)
         return record, self._picture(tracked, None)
 
     def _answered(self, first: "_Looked", *more: "_Looked") -> FileAnswer:

@@ -9,7 +9,7 @@ from ashe_live.commands.flags.model_choice import without_model
 from ashe_live.commands.flags.setup import camera_chooser, make_tracker
 from ashe_live.core.camera import Camera
 from ashe_live.process.messages import print_message
-from ashe_live.tracking.families.in_view import in_view_text, markers_in_view
+from ashe_live.tracking.families.in_view import in_view_text, markers_in_view, mirrored_text
 from ashe_live.tracking.families.layout import is_of_cube, members_of, parse_target, the_marker
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.tracker import MarkerTracker
@@ -95,8 +95,13 @@ def marker_in(
     return None
 
 
-def not_found_text(marker: str, in_view: tuple[str, ...], is_named: bool) -> str:
-    """That `marker`, which a person may have named, was not found, and what helps."""
+def not_found_text(marker: str, in_view: tuple[str, ...], is_named: bool, mirrored: tuple[str, ...] = ()) -> str:
+    """That `marker`, which a person may have named, was not found, and what helps.
+
+    in_view: specs of other markers; `mirrored`: of those that are seen in mirror image, where there are no others.
+    """
+    if mirrored and not in_view:
+        return f"{the_marker(marker)} was not found: {mirrored_text(mirrored)}" if is_named else mirrored_text(mirrored)
     if not in_view and not is_named:
         return NO_MARKER
     # One that is in view is named by the hint.

@@ -18,9 +18,10 @@ from ashe_live.tracking.families.layout import in_words
 
 # Long codes first: a chance likeness to one of the short ones is no news where a long one is read.
 FAMILIES = ("apriltag_36h11", "7x7_1000", "6x6_1000", "5x5_1000", "4x4_250")
-# Only where none of these is seen: random cells are one of a thousand short codes in 6 % of cases, and number 0 of the
-# original family is a stripe, as many a thing has.
-DOUBTFUL_FAMILIES = ("original", "4x4_1000")
+# Only where none of these is seen, as few people print them; nor in mirror image, in which 4x4_50:0 is 4x4_1000:871.
+# Random cells are one of a thousand short codes in 6 % of cases, and number 0 of the original family is a stripe, as
+# many a thing has.
+OTHER_FAMILIES = ("mip_36h12", "apriltag_36h10", "apriltag_25h9", "original", "apriltag_16h5", "4x4_1000")
 SIZES = (50, 100, 250, 1000)  # of each ArUco family; the smaller ones are the beginning of the larger
 MIN_SIDE_PX = 20.0
 MOST_PX = 1280  # of the longer side: what is larger is looked at reduced
@@ -38,22 +39,58 @@ def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
     Equal ones are named once. For a person who does not know which one it is: what random cells are as like to is
     passed over.
     """
-    grey: Image = np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
-    scale = min(1.0, max(MOST_PX / max(grey.shape), 1 / min(grey.shape)))  # a row of pixels is left of the narrowest
-    if scale < 1:
-        grey = np.asarray(cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA), dtype=np.uint8)
-    found = _read_as_a_whole(grey)
-    found = _with_others(found, _read_cell_by_cell(grey, FAMILIES)) or _read_cell_by_cell(grey, DOUBTFUL_FAMILIES)
-    found.sort(key=lambda one: -cv2.contourArea(one[0].astype("float32")))
-    specs = list(dict.fromkeys(spec for _, spec in found))
-    if sum(spec in CUBE_SPECS for spec in specs) < FACES_OF_CUBE:
-        return tuple(specs)
-    return tuple(dict.fromkeys(CUBE if spec in CUBE_SPECS else spec for spec in specs))
+    grey = _looked_at(image_bgr)
+    found = _read(grey)
+    if not found:
+        found = _read_cell_by_cell(grey, OTHER_FAMILIES)
+        if found and _read(_mirrored(grey)):
+            return ()
+    return _specs(found)
+
+
+def mirrored_in_view(image_bgr: Image) -> tuple[str, ...]:
+    """The same of the markers that a picture shows in mirror image, as some programs deliver a webcam's pictures.
+
+    For pictures in which there is no marker: a few are the mirror images of others.
+    """
+    return _specs(_read(_mirrored(_looked_at(image_bgr))))
 
 
 def in_view_text(specs: Sequence[str]) -> str:
     """Such as "aruco:4x4_50:7 and the paper cube are in view": of a calibration board's 28 markers the first few."""
     return f"{listed(map(in_words, specs), NAMED)} {'is' if len(specs) == 1 else 'are'} in view"
+
+
+def mirrored_text(specs: Sequence[str]) -> str:
+    """As `in_view_text`, of markers that are seen in mirror image, and what helps."""
+    return f"{in_view_text(specs)}, but in mirror image: switch off what mirrors the camera's picture"
+
+
+def _looked_at(image_bgr: Image) -> Image:
+    """(h, w) grey of the picture, reduced where it is large."""
+    grey: Image = np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
+    scale = min(1.0, max(MOST_PX / max(grey.shape), 1 / min(grey.shape)))  # a row of pixels is left of the narrowest
+    if scale < 1:
+        grey = np.asarray(cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    return grey
+
+
+def _mirrored(grey: Image) -> Image:
+    return np.ascontiguousarray(grey[:, ::-1])
+
+
+def _read(grey: Image) -> list[tuple[Float, str]]:
+    """Corners (4, 2) and specs of the markers of FAMILIES in `grey` (h, w)."""
+    return _with_others(_read_as_a_whole(grey), _read_cell_by_cell(grey, FAMILIES))
+
+
+def _specs(found: list[tuple[Float, str]]) -> tuple[str, ...]:
+    """Without their corners, the largest first, each once; two faces of the cube are one cube."""
+    found.sort(key=lambda one: -cv2.contourArea(one[0].astype("float32")))
+    specs = list(dict.fromkeys(spec for _, spec in found))
+    if sum(spec in CUBE_SPECS for spec in specs) < FACES_OF_CUBE:
+        return tuple(specs)
+    return tuple(dict.fromkeys(CUBE if spec in CUBE_SPECS else spec for spec in specs))
 
 
 def _read_as_a_whole(grey: Image) -> list[tuple[Float, str]]:
@@ -102,6 +139,6 @@ def _spec(family: str, number: int) -> str:
     if family.startswith("apriltag_"):
         return f"apriltag:{family.removeprefix('apriltag_')}:{number}"
     cells, _, size = family.partition("_")
-    if not size:
+    if not size.isdecimal():
         return f"aruco:{family}:{number}"
     return f"aruco:{cells}_{next(one for one in SIZES if number < one)}:{number}"

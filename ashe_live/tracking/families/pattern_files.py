@@ -10,13 +10,15 @@ import PIL.Image
 
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
+from ashe_live.files.pixels import upright, with_8_bits
 from ashe_live.files.reading import read_bytes
 from ashe_live.files.slow_pictures import opened_picture, refuse_slow_decoder
 
-# An ARToolKit pattern file: for each of 4 rotations the blue, green and red channel, 16 rows of 16 numbers each.
-ROTATIONS, CHANNELS, ROWS = 4, 3, 16
-MAX_PATTERN_BYTES = 64 * 1024
-# The side of the whole print at which a pattern file's 16 cells are drawn into its middle half.
+# An ARToolKit pattern file: for each of 4 rotations the blue, green and red channel, as many rows as numbers in each.
+# There are 16 as a rule; ARToolKit 5 has a choice up to 64 (AR_PATT_SIZE1_MAX).
+ROTATIONS, CHANNELS, ROWS = 4, 3, (16, 24, 32, 48, 64)
+MAX_PATTERN_BYTES = 512 * 1024
+# The side of the whole print at which a pattern file's cells are drawn into its middle half.
 PATTERN_PRINT_PX = 512
 
 MAX_PICTURE_BYTES = 32 * 1024 * 1024
@@ -34,21 +36,22 @@ def read_pattern_file(path: Path) -> Image:
 
 
 def read_pattern_content(path: Path) -> Image:
-    """The (16, 16) grey values of the upright rotation; raises UserError when it is not such a file."""
+    """The (n, n) grey values of the upright rotation, n one of ROWS; raises UserError when it is not such a file."""
     if path.suffix.lower() in PICTURE_SUFFIXES and path.is_file():
         raise UserError(f"{path} is a picture, and no ARToolKit pattern file", f"name it by image:{path}")
-    wanted = ROTATIONS * CHANNELS * ROWS * ROWS
-    remedy = f"an ARToolKit pattern file holds {wanted} numbers from 0 to 255"
+    sides = {ROTATIONS * CHANNELS * side**2: side for side in ROWS}
+    remedy = f"an ARToolKit pattern file holds {next(iter(sides))} numbers from 0 to 255"
     content = read_bytes(path, MAX_PATTERN_BYTES, may_be_empty=False)
     try:
-        numbers = np.array([int(word) for word in content.decode("ascii").split()])
+        numbers = np.array([int(word) for word in content.decode("utf-8-sig").split()])
     except (ValueError, OverflowError) as error:
         raise UserError(f"the pattern file {path} holds something else than whole numbers", remedy) from error
-    if len(numbers) != wanted:
+    side = sides.get(len(numbers))
+    if side is None:
         raise UserError(f"the pattern file {path} holds {len(numbers)} numbers", remedy)
     if numbers.min() < 0 or numbers.max() > 255:
         raise UserError(f"the pattern file {path} holds numbers beyond a byte", remedy)
-    upright_bgr = numbers.reshape(ROTATIONS, CHANNELS, ROWS, ROWS)[0].astype(np.uint8)
+    upright_bgr = numbers.reshape(ROTATIONS, CHANNELS, side, side)[0].astype(np.uint8)
     return np.asarray(cv2.cvtColor(np.moveaxis(upright_bgr, 0, 2), cv2.COLOR_BGR2GRAY), dtype=np.uint8)
 
 
@@ -66,7 +69,7 @@ def read_marker_picture(path: Path) -> Image:
             with opened_picture(path, file, PICTURE_FORMATS) as picture:
                 _check_picture_size(path, picture.size)
                 refuse_slow_decoder(path, picture, file)
-                rgba = picture.convert("RGBA")
+                rgba = with_8_bits(upright(picture)).convert("RGBA")
     except (PIL.Image.DecompressionBombError, PIL.Image.DecompressionBombWarning) as error:
         raise UserError(
             f"the picture {path} is too large", f"scale it to at most {MAX_PICTURE_SIDE_PX} pixels a side"

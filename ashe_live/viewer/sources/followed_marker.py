@@ -62,7 +62,7 @@ class FollowedMarker:
         if not self._pipeline.may_follow_others:
             return
         is_news = self._hunt.look(session.tracked, now_s)
-        session.markers_in_view = self._hunt.in_view
+        session.markers_in_view, session.mirrored_markers = self._hunt.in_view, self._hunt.mirrored
         if (answer := self._hunt.take_answer()) is not None:
             self._take_next(answer, now_s)
         elif is_news and self._takes_any_marker and not session.room_light.has_seen_marker:

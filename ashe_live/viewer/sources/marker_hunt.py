@@ -3,12 +3,15 @@
 import math
 from concurrent.futures import Future
 
+from ashe_live.core.arrays import Image
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
-from ashe_live.tracking.families.in_view import markers_in_view
+from ashe_live.tracking.families.in_view import markers_in_view, mirrored_in_view
 from ashe_live.viewer.sources.background import in_background
 
 EVERY_S = 1.0
+
+Looked = tuple[tuple[str, ...], tuple[str, ...]]  # specs in view, and of those in mirror image if there are no others
 
 
 class MarkerHunt:
@@ -16,7 +19,8 @@ class MarkerHunt:
 
     def __init__(self) -> None:
         self.in_view: tuple[str, ...] = ()  # specs, the largest first; none while the followed marker is in view
-        self._looking: Future[tuple[str, ...]] | None = None
+        self.mirrored: tuple[str, ...] = ()  # specs of those that are seen in mirror image, while there are no others
+        self._looking: Future[Looked] | None = None
         self._began_s = -math.inf
         self._is_asked = False
         self._answer: tuple[str, ...] | None = None
@@ -35,7 +39,7 @@ class MarkerHunt:
         """Continues the search with the latest frame; returns whether something new has been found."""
         is_there = tracked is not None and tracked.marker is not None
         if is_there:
-            self.in_view = ()
+            self.in_view = self.mirrored = ()
         if tracked is None or (is_there and not self._is_asked):
             self._looking = None
             return False
@@ -44,16 +48,21 @@ class MarkerHunt:
                 self._began_s = now_s
                 image = tracked.frame.image_bgr
                 self._looking = in_background(
-                    "markers", lambda: markers_in_view(image), lambda reason: UserError(reason, "name it with --marker")
+                    "markers", lambda: _looked_for(image), lambda reason: UserError(reason, "name it with --marker")
                 )
             return False
         if not self._looking.done():
             return False
         looked, self._looking = self._looking, None
-        found = () if looked.exception() is not None else looked.result()
+        found, mirrored = ((), ()) if looked.exception() is not None else looked.result()
         if self._is_asked:
             self._is_asked, self._answer = False, found
         if is_there:
             return False
-        before, self.in_view = self.in_view, found
+        before, self.in_view, self.mirrored = self.in_view, found, mirrored
         return bool(found) and found != before
+
+
+def _looked_for(image: Image) -> Looked:
+    found = markers_in_view(image)
+    return found, () if found else mirrored_in_view(image)

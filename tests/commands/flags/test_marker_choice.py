@@ -84,6 +84,19 @@ def test_a_marker_that_is_named_and_not_there_is_named_in_the_answer(run, photo)
         assert "aruco" not in said
 
 
+def test_of_a_mirrored_photo_it_is_said_and_no_other_marker_is_followed(run, photo):
+    """The usual marker is, mirrored, another one of a thousand of its kind."""
+    path = photo("aruco:4x4_50:0")
+    cv2.imwrite(path, cv2.imread(path)[:, ::-1])
+    for command in (["estimate", path], ["play", path, "--headless", "--quality", "fast"]):
+        for named in ((), ("--marker", "aruco:4x4_50:0")):
+            outcome = run(*command, "--hfov", "60", *named)
+            said = " ".join([*outcome.out, *outcome.err])
+            assert outcome.status == 3
+            assert "aruco:4x4_50:0 is in view, but in mirror image: " in said
+            assert "871" not in said
+
+
 def test_a_photo_is_shown_with_the_marker_that_is_in_it(run, photo):
     headless = ("--hfov", "60", "--headless", "--quality", "fast", "--no-hide-marker")
     outcome = run("play", photo(OTHER), *headless, "--frames", "2")

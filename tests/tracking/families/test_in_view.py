@@ -7,12 +7,15 @@ import pytest
 from ashe_live.bench.track import frames
 from ashe_live.bench.track.frames import Flaws
 from ashe_live.bench.track.takes import SIDE_M, SMALL, pose_at
-from ashe_live.tracking.families.in_view import in_view_text, markers_in_view
+from ashe_live.tracking.families.in_view import in_view_text, markers_in_view, mirrored_in_view
 from ashe_live.tracking.families.layout import in_words
 from ashe_live.tracking.families.markers import parse_marker
 from tests.painted_cubes import CAMERA, CubeScene, looking, painted, sun
 
 SPECS = ("aruco:4x4_50:7", "aruco:5x5_250:200", "apriltag:36h11:12", "aruco:6x6_100:50", "aruco:7x7_1000:999")
+
+
+RARE = ("aruco:mip_36h12:40", "apriltag:36h10:2000", "apriltag:25h9:3", "apriltag:16h5:7", "aruco:original:700")
 
 
 def table(*specs: str, side_px: int = 120) -> np.ndarray:
@@ -26,9 +29,19 @@ def table(*specs: str, side_px: int = 120) -> np.ndarray:
     return cv2.cvtColor(cv2.GaussianBlur(turned, (0, 0), 1.0), cv2.COLOR_GRAY2BGR)
 
 
-@pytest.mark.parametrize("spec", SPECS)
+@pytest.mark.parametrize("spec", [*SPECS, *RARE])
 def test_a_marker_is_named_as_it_is_asked_for(spec: str) -> None:
+    """Of every family, also those that few people print."""
     assert markers_in_view(table(spec)) == (spec,)
+
+
+@pytest.mark.parametrize("spec", [*SPECS, "aruco:4x4_50:0", "aruco:4x4_50:23"])
+def test_in_mirror_image_a_marker_is_no_other_and_named_as_what_it_is(spec: str) -> None:
+    """4x4_50:0 and :23, cell by cell, are 4x4_1000:871 and :811 mirrored."""
+    mirrored = np.ascontiguousarray(table(spec)[:, ::-1])
+    assert markers_in_view(mirrored) == ()
+    assert mirrored_in_view(mirrored) == (spec,)
+    assert mirrored_in_view(table(spec)) == ()
 
 
 def test_several_are_named_the_largest_first() -> None:

@@ -6,8 +6,11 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import PIL.ExifTags
+import PIL.Image
 import pytest
 
+from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 from ashe_live.tracking.families.dictionary_marker import APRILTAG_FAMILIES, DICTIONARIES
 from ashe_live.tracking.families.markers import Marker, parse_marker
@@ -99,7 +102,8 @@ def test_a_wrong_spec_is_one_line_with_its_remedy(spec: str, words: str) -> None
         ("ü", "whole numbers"),
         ("9" * 5000, "whole numbers"),
         ("9" * 100 + " ", "holds 1 numbers"),
-        ("1 " * 40000, "bytes"),
+        ("1 " * 40000, "holds 40000 numbers"),
+        ("1 " * 300_000, "bytes"),
         ("200 " * 3072, "contrast"),
     ],
 )
@@ -108,6 +112,43 @@ def test_a_wrong_pattern_file_is_refused(tmp_path: Path, content: str, words: st
     path.write_text(content, encoding="utf-8")
     with pytest.raises(UserError, match=words):
         parse_marker(f"pattern:{path}")
+
+
+@pytest.mark.parametrize("side", [16, 32, 64])
+@pytest.mark.parametrize("begins_with", ["", "\ufeff"])
+def test_a_pattern_file_has_as_many_rows_as_artoolkit_was_asked_for(
+    tmp_path: Path, side: int, begins_with: str
+) -> None:
+    """And a byte order mark where an editor of Windows has saved it."""
+    content = np.asarray(cv2.resize(glyph(), (side, side), interpolation=cv2.INTER_NEAREST), dtype=np.uint8)
+    path = tmp_path / "f.patt"
+    path.write_text(begins_with + pattern_text(content), encoding="utf-8")
+    np.testing.assert_array_equal(read_pattern_content(path), content)
+    usual = tmp_path / "usual.patt"
+    usual.write_text(pattern_text(glyph()), encoding="ascii")
+    apart = parse_marker(f"pattern:{path}").bitmap(64).astype(int) - parse_marker(f"pattern:{usual}").bitmap(64)
+    assert np.abs(apart).mean() < 10
+
+
+@pytest.mark.parametrize(
+    ("orientation", "shown"),
+    [(1, np.copy), (3, lambda grey: grey[::-1, ::-1]), (6, lambda grey: np.rot90(grey, -1)), (2, np.fliplr)],
+)
+def test_a_photo_of_a_print_is_the_marker_as_it_is_shown(
+    tmp_path: Path, picture_file: Path, orientation: int, shown: Callable[[Image], Image]
+) -> None:
+    """How it is to be turned for EXIF's orientations: a marker's frame is that of its upright print."""
+    with PIL.Image.open(picture_file) as picture:
+        grey, exif = np.asarray(picture.convert("L")), PIL.Image.Exif()
+        exif[PIL.ExifTags.Base.Orientation] = orientation
+        picture.save(tmp_path / "turned.png", exif=exif)
+    np.testing.assert_array_equal(parse_marker(f"image:{tmp_path / 'turned.png'}").bitmap(128), shown(grey))
+
+
+def test_a_picture_of_16_bits_is_the_one_of_8(tmp_path: Path, picture_file: Path) -> None:
+    grey = cv2.imread(str(picture_file), cv2.IMREAD_GRAYSCALE)
+    cv2.imwrite(str(tmp_path / "deep.png"), grey.astype(np.uint16) * 257)
+    np.testing.assert_array_equal(parse_marker(f"image:{tmp_path / 'deep.png'}").bitmap(128), grey)
 
 
 def test_a_picture_is_no_pattern_file_and_the_other_way_round(tmp_path: Path, picture_file: Path) -> None:

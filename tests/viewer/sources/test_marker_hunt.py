@@ -7,17 +7,17 @@ import pytest
 
 from ashe_live.errors import UserError
 from ashe_live.viewer.sources import marker_hunt
-from ashe_live.viewer.sources.marker_hunt import EVERY_S, MarkerHunt
+from ashe_live.viewer.sources.marker_hunt import EVERY_S, Looked, MarkerHunt
 
 SEVEN, FIVE = "aruco:4x4_50:7", "apriltag:36h11:5"
 
 
 @pytest.fixture
-def begun(monkeypatch: pytest.MonkeyPatch) -> list[Future[tuple[str, ...]]]:
+def begun(monkeypatch: pytest.MonkeyPatch) -> list[Future[Looked]]:
     """The searches that were begun; the test ends them."""
-    searches: list[Future[tuple[str, ...]]] = []
+    searches: list[Future[Looked]] = []
 
-    def begin(_name: str, _work: Callable[[], object], _failed: Callable[[str], UserError]) -> Future[tuple[str, ...]]:
+    def begin(_name: str, _work: Callable[[], object], _failed: Callable[[str], UserError]) -> Future[Looked]:
         searches.append(Future())
         return searches[-1]
 
@@ -44,10 +44,10 @@ def test_they_are_looked_for_one_search_at_a_time_and_once_in_a_while(begun, awa
     assert not hunt.look(away, 0.0)
     assert not hunt.look(away, 3 * EVERY_S)
     assert len(begun) == 1, "the first is not done yet"
-    begun[0].set_result((SEVEN,))
+    begun[0].set_result(((SEVEN,), ()))
     assert hunt.look(away, 3 * EVERY_S)
     assert not hunt.look(away, 3 * EVERY_S)
-    begun[1].set_result((SEVEN,))
+    begun[1].set_result(((SEVEN,), ()))
     hunt.look(away, 3.1 * EVERY_S)
     assert not hunt.look(away, 3.9 * EVERY_S)
     assert len(begun) == 2
@@ -55,12 +55,22 @@ def test_they_are_looked_for_one_search_at_a_time_and_once_in_a_while(begun, awa
     assert len(begun) == 3
 
 
+def test_what_is_seen_in_mirror_image_is_kept_until_the_marker_is_there(begun, away, there):
+    hunt = MarkerHunt()
+    hunt.look(away, 0.0)
+    begun[0].set_result(((), (SEVEN,)))
+    assert not hunt.look(away, 0.0), "there is none to follow"
+    assert (hunt.in_view, hunt.mirrored) == ((), (SEVEN,))
+    hunt.look(there, 0.1)
+    assert hunt.mirrored == ()
+
+
 def test_only_what_was_not_in_view_before_is_news(begun, away):
     hunt = MarkerHunt()
     told = []
     for at, found in enumerate([(SEVEN,), (SEVEN,), (SEVEN, FIVE), (), (FIVE,)]):
         hunt.look(away, at * EVERY_S)
-        begun[-1].set_result(found)
+        begun[-1].set_result((found, ()))
         told.append(hunt.look(away, at * EVERY_S))
         assert hunt.in_view == found
     assert told == [True, False, True, False, True]
@@ -70,7 +80,7 @@ def test_only_what_was_not_in_view_before_is_news(begun, away):
 def test_while_the_followed_marker_is_there_none_is_looked_for(begun, away, there):
     hunt = MarkerHunt()
     hunt.look(away, 0.0)
-    begun[0].set_result((SEVEN,))
+    begun[0].set_result(((SEVEN,), ()))
     hunt.look(away, 0.0)
     assert not hunt.look(there, EVERY_S)
     assert hunt.in_view == ()
@@ -81,7 +91,7 @@ def test_what_was_looked_for_before_the_marker_came_back_is_dropped(begun, away,
     hunt = MarkerHunt()
     hunt.look(away, 0.0)
     hunt.look(there, 0.1)
-    begun[0].set_result((SEVEN,))
+    begun[0].set_result(((SEVEN,), ()))
     assert not hunt.look(away, 0.2)
     assert hunt.in_view == ()
     hunt.look(away, EVERY_S)
@@ -94,9 +104,9 @@ def test_who_asks_is_answered_once_even_while_the_marker_is_there(begun, away, t
     hunt.ask()
     hunt.look(there, 0.1)
     assert len(begun) == 2, "anew, as what is looked at already may be older than the wish"
-    begun[0].set_result((FIVE,))
+    begun[0].set_result(((FIVE,), ()))
     assert hunt.take_answer() is None
-    begun[1].set_result((SEVEN,))
+    begun[1].set_result(((SEVEN,), ()))
     assert not hunt.look(there, 0.2)
     assert hunt.in_view == ()
     assert hunt.take_answer() == (SEVEN,)
@@ -109,7 +119,7 @@ def test_who_asks_while_it_is_away_learns_it_as_news_too(begun, away):
     hunt = MarkerHunt()
     hunt.ask()
     hunt.look(away, 0.0)
-    begun[0].set_result((SEVEN,))
+    begun[0].set_result(((SEVEN,), ()))
     assert hunt.look(away, 0.1)
     assert hunt.take_answer() == (SEVEN,) == hunt.in_view
 
