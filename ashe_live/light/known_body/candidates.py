@@ -10,6 +10,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.found_light import FoundLight
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
+from ashe_live.light.known_body.outline.by_edges import by_edges
 from ashe_live.light.known_body.outline.fit import ShadowFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import LEAST_PX, EdgeImage
@@ -88,8 +89,8 @@ class Candidates:
         """The likeliest different directions, each moved onto its shadow's edges where these are seen; and lights (4,)
         that are ruled out.
 
-        Ruled out are those whose shadow, or whose light on the body's sides, should be seen and is not: some other
-        thing is dark there.
+        Ruled out are those whose shadow, or whose light on the body's sides, should be seen and is not, and edges that
+        no light casts: some other thing is dark there.
         """
         starts = _Starts(self.seen.templates.lights, self.score + self.steps)
         found: list[FoundLight] = []
@@ -105,7 +106,7 @@ class Candidates:
             if any(_is_clear(one) and _finds_again(self.seen, start.light, one) for one in found):
                 continue
             fit, darkening = self._fit(number, start)
-            if fit is not None and self.seen.observed.sides.deny(fit.light, darkening):
+            if fit is not None and self._is_none(fit, darkening):
                 ruled_out.append(template)
             elif fit is not None:
                 starts.spend()
@@ -119,6 +120,15 @@ class Candidates:
             else:
                 ruled_out.append(template)
         return found, ruled_out
+
+    def _is_none(self, fit: ShadowFit, darkening: float) -> bool:
+        """Whether there is no such light, although some edges are seen where those of its shadow would be."""
+        if self.seen.observed.sides.deny(fit.light, darkening):
+            return True
+        if fit.light[3] >= 0:
+            return False
+        edges = by_edges(self.image, fit, darkening, self.seen.pose_shape_errors)
+        return edges is not None and edges.is_beyond_suns
 
     @property
     def _darkenings(self) -> Float:

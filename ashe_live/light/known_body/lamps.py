@@ -12,18 +12,14 @@ from functools import partial
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.proxy import PoseShapeErrors
 from ashe_live.light.known_body.found_light import FoundLight, image_beside, points_of
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
+from ashe_live.light.known_body.outline.by_edges import ByEdges, by_edges
 from ashe_live.light.known_body.outline.fit import NEAREST, ShadowFit, fitted, nearness_sigma
-from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import EdgeImage
 from ashe_live.light.known_body.seen import Seen
 
-# Standard deviation of a body's width over its height, where its errors are not known. A body that is wider by a
-# hundredth casts the shadow of a lamp whose nearness is larger by a hundredth over the height.
-WIDTH_SIGMA = 0.017
 LAMP_ODDS = 0.5  # prior odds of a lamp near by against a sun, or a lamp as far as one
 LEAST_SIGMAS = 4.0  # standard deviations by which the nearness of what is stated as a lamp differs from a sun's
 LEAST_INVERSE_DISTANCE = 0.4  # 1/m: a lamp farther away is as good as a sun
@@ -41,40 +37,6 @@ FALL_SHARE = 1 / 3
 # docs/accuracy/cube.md).
 OTHER_STARTS = ((1.0, 0.3), (1.8, 0.3))
 SURELY_NEAR = 2.0  # standard deviations of a fit's nearness, from which on its edges are no sun's
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _ByEdges:
-    """A light by its shadow's edges, its nearness free."""
-
-    light: Float  # (4,) z = 1
-    covariance: Float  # (3, 3) of s and the nearness, the body's own errors included
-    has_folds: bool  # whether these are the known errors of the body and its frame
-
-    @property
-    def nearness(self) -> float:
-        return float(self.light[3])
-
-    @property
-    def nearness_sigma(self) -> float:
-        return math.sqrt(self.covariance[2, 2])
-
-    @property
-    def by_nearness(self) -> Float:
-        """(3,) how much s and the nearness change with the nearness, for the edges to agree as well as they can."""
-        return np.asarray(self.covariance[:, 2] / self.covariance[2, 2])
-
-    def lights_at(self, nearness: Float) -> Float:
-        """(m, 4) the light, z = 1, if its nearness had one of the values (m,)."""
-        lights = np.tile(self.light, (len(nearness), 1))
-        lights[:, :2] += (nearness - self.light[3])[:, None] * self.by_nearness[:2]
-        lights[:, 3] = nearness
-        return lights
-
-    def covariance_at(self, nearness_variance: float) -> Float:
-        """(3, 3) the covariance, if the nearness had this variance."""
-        line = self.by_nearness
-        return np.asarray(self.covariance + (nearness_variance - self.covariance[2, 2]) * np.outer(line, line))
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,16 +70,14 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
         return one
     image = image_beside(seen, others)
     fit = _likeliest_fit(image, one, size_rad)
-    edges = _by_edges(image, fit, one.darkening, seen.pose_shape_errors)
+    edges = by_edges(image, fit, one.darkening, seen.pose_shape_errors)
     if edges is None:
         return one
     nearness = _nearness(seen, edges, others)
-    (light,) = edges.lights_at(np.array([nearness.mean]))
-    covariance = edges.covariance_at(nearness.variance)
+    light, covariance = edges.stated(nearness.mean, nearness.variance)
     inverse_distance = nearness.mean / float(np.linalg.norm(light[:3]))
     is_near = nearness.mean > LEAST_SIGMAS * math.sqrt(nearness.variance)
     if is_near and inverse_distance > LEAST_INVERSE_DISTANCE:
-        fit = replace(fit, light=fit.light + light - edges.light)
         return replace(one, light=light, covariance=covariance, fit=fit, has_folds=edges.has_folds)
     if nearness.sun > 0.5:
         return _as_sun(one, one.fit, edges, nearness)
@@ -125,12 +85,12 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
     return replace(sun_or_lamp, may_be_lamp=True, has_folds=edges.has_folds)
 
 
-def _as_sun(one: FoundLight, own: ShadowFit, edges: _ByEdges, nearness: _Nearness) -> FoundLight:
+def _as_sun(one: FoundLight, own: ShadowFit, edges: ByEdges, nearness: _Nearness) -> FoundLight:
     """The light as the sun that its edges show, as uncertain as its nearness leaves it. own: the light's own fit."""
     sun, covariance = own.light, own.covariance[:2, :2]
     if sun[3] != 0:  # the light was found as a lamp
-        (sun,) = edges.lights_at(np.zeros(1))
-        covariance = edges.covariance_at(0.0)[:2, :2]
+        sun, with_nearness = edges.stated(0.0, 0.0)
+        covariance = with_nearness[:2, :2]
     # The mean square about 0, as it is not the mean of the nearness that is stated.
     mean_square = nearness.variance + nearness.mean**2
     line = edges.by_nearness[:2]
@@ -161,23 +121,7 @@ def _may_be_sun(fit: ShadowFit) -> bool:
     return bool(abs(fit.light[3]) < SURELY_NEAR * math.sqrt(fit.covariance[2, 2]))
 
 
-def _by_edges(image: EdgeImage, fit: ShadowFit, darkening: float, errors: PoseShapeErrors | None) -> _ByEdges | None:
-    """The light of a fit, with its nearness, as uncertain as the body's errors make it.
-
-    None where these are not known and the nearness was held in the fit: nothing then says how the edges move with it.
-    """
-    adjusted = None if errors is None else beside_folds(fit, image, darkening, errors, with_nearness=True)
-    if adjusted is not None:
-        return _ByEdges(*adjusted, has_folds=True)
-    if len(fit.covariance) < 3:
-        return None
-    # A wider body casts the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z).
-    end = fit.light[:2] / (1 - image.height_m * fit.light[3])
-    by_width = WIDTH_SIGMA * np.append(-end, 1 / image.height_m)
-    return _ByEdges(fit.light, fit.covariance + np.outer(by_width, by_width), has_folds=False)
-
-
-def _nearness(seen: Seen, edges: _ByEdges, others: Sequence[FoundLight]) -> _Nearness:
+def _nearness(seen: Seen, edges: ByEdges, others: Sequence[FoundLight]) -> _Nearness:
     """The nearness by a light's edges, the map, and the sides, beside other lights.
 
     A lamp's light falls off over the table, and gives more to what is nearer to it.
@@ -212,8 +156,9 @@ def _nearness(seen: Seen, edges: _ByEdges, others: Sequence[FoundLight]) -> _Nea
     return _Nearness(sun, (1 - sun) * mean, of_mixture + sun * LEAST_RANGE**2)
 
 
-def _likelihoods(seen: Seen, beside: MarginalLikelihood, edges: _ByEdges, nearness: Float) -> Float:
+def _likelihoods(seen: Seen, beside: MarginalLikelihood, edges: ByEdges, nearness: Float) -> Float:
     """(m,) likelihoods of values of the nearness (m,) by edges, map and sides, over the largest of them."""
-    by_fall = beside.scanned(seen.lit(edges.lights_at(nearness))).log_likelihood
-    score = FALL_SHARE * by_fall - 0.5 * ((nearness - edges.nearness) / edges.nearness_sigma) ** 2
+    lights, of_edges = edges.lights_at(nearness)
+    by_fall = beside.scanned(seen.lit(lights)).log_likelihood
+    score = FALL_SHARE * by_fall + of_edges
     return np.asarray(np.exp(score - score.max()))

@@ -6,23 +6,19 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import normalised
 from ashe_live.light.explanation.judgement.judge import logit
-from ashe_live.light.known_body import lamps
+from ashe_live.light.known_body import candidates, lamps
+from ashe_live.light.known_body.candidates import APART_RAD, Candidates
 from ashe_live.light.known_body.found_light import FoundLight, image_beside
-from ashe_live.light.known_body.lamps import (
-    LAMP_ODDS,
-    WIDTH_SIGMA,
-    _by_edges,
-    _ByEdges,
-    _Nearness,
-    _nearness,
-    as_lamps,
-)
+from ashe_live.light.known_body.lamps import LAMP_ODDS, _Nearness, _nearness, as_lamps
 from ashe_live.light.known_body.lights import _refitted
+from ashe_live.light.known_body.outline.by_edges import WIDTH_SIGMA, ByEdges, by_edges
 from ashe_live.light.known_body.outline.fit import fitted, nearness_sigma
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.ambient import open_sky_rgb
 from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.light_points import NO_LIGHTS
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.tracker import MarkerTracker
@@ -84,11 +80,29 @@ def test_the_open_sky_is_measured_in_the_shadow_that_is_seen(seen: Seen, suns: l
 
 def test_edges_that_no_lamp_throws_are_a_suns(seen: Seen, suns: list[FoundLight]) -> None:
     """A shadow that grows narrower with height, by eight standard deviations."""
-    edges = _ByEdges(np.append(suns[0].light[:3], -8.0), np.diag([1e-4, 1e-4, 1.0]), has_folds=False)
+    edges = ByEdges(np.append(suns[0].light[:3], -8.0), np.diag([1e-4, 1e-4, 1.0]), has_folds=False)
     nearness = _nearness(seen, edges, suns[1:])
     assert nearness.sun == 1
     assert nearness.mean == 0
     assert nearness.variance > 0
+
+
+@pytest.mark.parametrize(("sigma", "is_light"), [(2.0, False), (4.0, True)])
+def test_edges_that_surely_draw_together_are_no_lights(
+    seen: Seen, suns: list[FoundLight], sigma: float, is_light: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert suns[0].fit is not None
+    beyond = np.append(suns[0].light[:3], -8.0)
+    fit = replace(suns[0].fit, light=beyond)
+    monkeypatch.setattr(candidates, "_moved_onto_edges", lambda *_: fit)
+    monkeypatch.setattr(candidates, "by_edges", lambda *_: ByEdges(beyond, np.diag([1e-4, 1e-4, sigma**2]), True))
+    alone = seen.beside(NO_LIGHTS)
+    found, ruled_out = Candidates(
+        seen, alone, image_beside(seen, ()), alone.everywhere.log_likelihood, seen.rims(NO_LIGHTS).cautious
+    ).refined()
+    assert any(one.fit is fit for one in found) == is_light
+    near = [each for each in ruled_out if normalised(each[:3]) @ normalised(suns[0].light[:3]) > np.cos(APART_RAD)]
+    assert bool(near) != is_light
 
 
 def test_a_sun_that_may_be_a_lamp_is_as_unsure_as_a_lamp_would_be_far_from_it(
@@ -105,6 +119,26 @@ def test_a_sun_that_may_be_a_lamp_is_as_unsure_as_a_lamp_would_be_far_from_it(
 
     np.testing.assert_allclose(covariance(0.5, 0.25), covariance(0.0, 0.5))
     assert np.trace(covariance(0.5, 0.25)) > np.trace(covariance(0.0, 0.25))
+
+
+def test_a_lamps_shadow_stays_on_its_edges_whatever_map_and_sides_say_of_its_distance(
+    seen: Seen, suns: list[FoundLight], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def lamp_at(nearness: float) -> FoundLight:
+        monkeypatch.setattr(lamps, "_nearness", lambda *_: _Nearness(0.0, nearness, 0.01))
+        first, _ = as_lamps(seen, suns)
+        assert first.is_lamp
+        return first
+
+    near, far = lamp_at(4.0), lamp_at(1.5)
+    assert near.light[3] == 4.0
+    assert far.light[3] == 1.5
+    assert near.fit is not None
+    profiles = near.fit.profiles_in(image_beside(seen, suns[1:]))
+    assert profiles is not None
+    are_edges = profiles.are_steps(near.darkening)
+    assert np.median(np.abs(profiles.offset_px[are_edges])) < 0.5
+    np.testing.assert_array_equal(near.casting, far.casting)
 
 
 @pytest.mark.parametrize("found_as", ["what may be a lamp", "a lamp"])
@@ -132,21 +166,21 @@ def test_a_body_that_may_be_wider_leaves_open_a_nearer_lamp_whose_shadow_ends_at
     image, height, one = image_beside(seen, ()), seen.body.height_m, suns[0]
     fit = fitted(image, one.light, one.darkening, with_nearness=True)
     assert fit is not None
-    edges = _by_edges(image, fit, one.darkening, None)
+    edges = by_edges(image, fit, one.darkening, None)
     assert edges is not None
     assert not edges.has_folds
     spread, axes = np.linalg.eigh(edges.covariance - fit.covariance)
     assert spread[:2] == pytest.approx(0, abs=1e-9 * spread[2])
     assert np.sqrt(spread[2]) * abs(axes[2, 2]) == pytest.approx(WIDTH_SIGMA / height)
-    by_width = _ByEdges(fit.light, np.outer(axes[:, 2], axes[:, 2]), has_folds=False)
-    (wider,) = by_width.lights_at(np.array([fit.light[3] + WIDTH_SIGMA / height]))
+    by_width = ByEdges(fit.light, np.outer(axes[:, 2], axes[:, 2]), has_folds=False)
+    (wider,), _ = by_width.lights_at(np.array([fit.light[3] + WIDTH_SIGMA / height]))
 
     def end(light: Float) -> Float:
         return light[:2] / (1 - height * light[3])
 
     assert end(wider) == pytest.approx(end(fit.light))
     assert wider[2:] == pytest.approx((1.0, fit.light[3] + WIDTH_SIGMA / height))
-    assert _by_edges(image, one.fit, one.darkening, None) is None  # no edges tell how near it is
+    assert by_edges(image, one.fit, one.darkening, None) is None  # no edges tell how near it is
 
 
 @pytest.mark.parametrize("sigmas_away", [0.0, 1.0, 2.0, 3.0, 5.0])
@@ -156,7 +190,7 @@ def test_where_the_fall_of_light_says_nothing_a_lamp_is_as_likely_as_by_its_edge
     monkeypatch.setattr(lamps, "FALL_SHARE", 0.0)
     sigma = 0.5
     light = np.append(suns[0].fit.light[:3], sigmas_away * sigma)
-    found = _nearness(seen, _ByEdges(light, np.diag([1e-4, 1e-4, sigma**2]), has_folds=False), suns[1:])
+    found = _nearness(seen, ByEdges(light, np.diag([1e-4, 1e-4, sigma**2]), has_folds=False), suns[1:])
     near = np.linspace(0, sigmas_away * sigma + 6 * sigma, 20_000)
     by_edges = np.exp(-0.5 * (near / sigma - sigmas_away) ** 2)
     # Edges' likelihood is their posterior over the prior that their fit had, by which lamps are spread as well.
