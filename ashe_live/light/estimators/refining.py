@@ -38,7 +38,7 @@ class Refiner:
         """
         sharp, others = self._refined_apart(rough, log_odds)
         judged = [*sharp, *others]
-        if leaves_no_doubt(judged, log_odds):
+        if leaves_no_doubt(judged, log_odds) and not _is_by_a_doubtful_light(judged, rough, log_odds):
             return judged
         return self._with_shadows_searched(judged, [each for each in sharp if len(each.lights) > 1], log_odds)
 
@@ -93,6 +93,15 @@ class Refiner:
 def leaves_no_doubt(judged: Sequence[Explanation], log_odds: LogOdds) -> bool:
     """Whether the explanations make one direction so likely that nothing more is looked for."""
     return is_settled(list(map(log_odds, judged)), [each.lights[0].to_light_marker for each in judged])
+
+
+def _is_by_a_doubtful_light(judged: Sequence[Explanation], rough: Sequence[Explanation], log_odds: LogOdds) -> bool:
+    """Whether the likeliest has two lights, and those that were found before the second one left doubt.
+
+    The second one's shadow then makes the pair likely, but may be the only shadow, and what was taken for the first
+    one's a dark part of the object.
+    """
+    return len(max(judged, key=log_odds).lights) > 1 and not leaves_no_doubt(rough, log_odds)
 
 
 def _differ(one: Explanation, other: Explanation) -> bool:
