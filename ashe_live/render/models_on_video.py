@@ -55,7 +55,7 @@ class ModelsOnVideo:
         self._straight_video = Video(ctx)
         self._lens = Lens(ctx)
         self._outlines = OutlineSmoothing(ctx, programs)
-        self._silhouette = Silhouette(ctx)
+        self._silhouette = Silhouette(ctx, programs)
         self._composite = Composite(ctx, programs)
         self.layers = LayerPasses(ctx, programs, cover)
         self._make_for_preset()

@@ -1,10 +1,8 @@
-// Where the real object is in the picture, whatever is in front of it. Several draws, each moved by up to a pixel, add up.
+// Where the real object is in the picture, whatever is in front of it.
 #version 330 core
 
-uniform vec2 adds;
-
-out vec2 silhouette;  // 1 on the object; and the mean of the pixel and its four neighbours
+out float silhouette;
 
 void main() {
-    silhouette = adds;
+    silhouette = 1.0;
 }

@@ -7,7 +7,7 @@
 // the outline: what is dark counts little. B and O are those of the video a few pixels away, on the outline's normal; s is
 // found from them and v, so that it is that of the outline in the video though the body's is a pixel beside it.
 
-uniform sampler2D silhouette;  // as silhouette.frag draws it
+uniform sampler2D silhouette;  // as compositing/silhouette.frag draws it
 // To be normalised, of means on either side, and of the composite's blur together with the outline's error.
 uniform float outline_means[OUTLINE_REACH + 1];
 uniform float outline_bounds[OUTLINE_REACH + 1];

@@ -10,7 +10,8 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Size
 from ashe_live.render.gl.driver import clear_part
 from ashe_live.render.gl.framing import Framing, Rectangle, common, grown
-from ashe_live.render.gl.programs import set_uniforms
+from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.passes.real_object import RealObject
 
@@ -72,9 +73,11 @@ class SeenOutline(NamedTuple):
 class Silhouette:
     """Draws a mask of the real object in the picture, which programs read as `silhouette`."""
 
-    def __init__(self, ctx: moderngl.Context) -> None:
+    def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx
-        self._target: tuple[moderngl.Texture, moderngl.Framebuffer] | None = None
+        self._programs = programs
+        self._rectangle = WholeRectangle(ctx)
+        self._targets: list[tuple[moderngl.Texture, moderngl.Framebuffer]] = []
 
     def draw(
         self, real: RealObject, framing: Framing, within: Rectangle, reach: OutlineReach, size: Size
@@ -86,28 +89,38 @@ class Silhouette:
         around = common(grown(framing.region, reach.reach, size), within)
         if min(around[2:]) <= 0:
             return None
-        mask, framebuffer = self._target_of(size)
-        cleared = grown(around, reach.margin, size)
-        clear_part(framebuffer, cleared)
+        (mask, drawn), (with_mean, finished) = self._targets_of(size)
+        cleared = grown(around, reach.margin + 1, size)
+        clear_part(drawn, cleared)
         # moderngl tells OpenGL of a scissor only when the framebuffer is bound after it was set.
-        framebuffer.scissor = cleared
-        framebuffer.use()
+        drawn.scissor = cleared
+        drawn.use()
         self._ctx.viewport = framing.viewport
         real.draw_silhouette(framing)
-        return SeenOutline(mask, around, reach)
+        mask.use(UNIT_OF["silhouette"])
+        finished.scissor = grown(around, reach.margin, size)
+        self._rectangle.fill(finished, self._programs.get("compositing/silhouette"))
+        return SeenOutline(with_mean, around, reach)
 
     def release(self) -> None:
-        for held in self._target or ():
-            held.release()
-        self._target = None
+        self._release_targets()
+        self._rectangle.release()
 
-    def _target_of(self, size: Size) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
-        if self._target is None or self._target[0].size != size:
-            self.release()
-            mask = self._ctx.texture(size, 2)
-            mask.repeat_x = mask.repeat_y = False
-            self._target = mask, self._ctx.framebuffer([mask])
-        return self._target
+    def _release_targets(self) -> None:
+        for texture, framebuffer in self._targets:
+            framebuffer.release()
+            texture.release()
+        self._targets = []
+
+    def _targets_of(self, size: Size) -> list[tuple[moderngl.Texture, moderngl.Framebuffer]]:
+        """Of the mask as it is drawn, and of the finished one."""
+        if not self._targets or self._targets[0][0].size != size:
+            self._release_targets()
+            for components in (1, 2):
+                texture = self._ctx.texture(size, components)
+                texture.repeat_x = texture.repeat_y = False
+                self._targets.append((texture, self._ctx.framebuffer([texture])))
+        return self._targets
 
 
 def _gaussian(at: Float, variance: float) -> Float:

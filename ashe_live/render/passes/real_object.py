@@ -79,18 +79,12 @@ class RealObject:
         self._ctx.disable_direct(GL_DEPTH_CLAMP)
 
     def draw_silhouette(self, framing: Framing) -> None:
-        """Draws where it is in the picture into the bound framebuffer, as `catchers/silhouette.frag` says."""
+        """Draws 1 wherever it is in the picture into the framebuffer that is bound, whatever is in front of it."""
         program = self._programs.get("catchers/silhouette")
-        self._ctx.enable_only(moderngl.CULL_FACE | moderngl.BLEND)
-        self._ctx.blend_func = moderngl.ONE, moderngl.ONE
+        set_uniforms(program, clip_from_marker=framing.clip_from_marker)
+        self._ctx.enable_only(moderngl.CULL_FACE)
         self._ctx.enable_direct(GL_DEPTH_CLAMP)
-        drawn = self._drawn.array(program)
-        for across, up in ((0, 0), (-1, 0), (1, 0), (0, -1), (0, 1)):
-            moved = np.eye(4)
-            moved[:2, 3] = 2 * across / framing.viewport[2], 2 * up / framing.viewport[3]
-            adds = (float(across == up), 0.2)
-            set_uniforms(program, clip_from_marker=moved @ framing.clip_from_marker, adds=adds)
-            drawn.render()
+        self._drawn.array(program).render()
         self._ctx.disable_direct(GL_DEPTH_CLAMP)
 
     def release(self) -> None:
