@@ -205,6 +205,10 @@ void main() {
     wide_gone = mix(wide_gone, across.gone, across.nearness);
 #endif
     coarse_removed.rgb = mix(coarse_removed.rgb, across.gone, across.nearness);
+#ifdef COARSE
+    // Else the model's colour would be left where the object's outline is beside its body's.
+    coarse_added = mix(coarse_added, min(across.light, 1.0), across.nearness);
+#endif
 #endif
     vec3 change = abs(gone);
 #ifdef WIDE
