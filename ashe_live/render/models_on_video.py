@@ -1,18 +1,20 @@
 """Draws a scene's models onto the video: calls the passes for light, shadows, layers and composite in their order."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.camera import Camera
+from ashe_live.core.camera import Camera, Size
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.compositing.composite import Composite, Footage
 from ashe_live.render.compositing.lens import Lens
 from ashe_live.render.compositing.outlines import OutlineSmoothing
+from ashe_live.render.compositing.silhouette import SeenOutline, Silhouette
 from ashe_live.render.cover.marker_cover import MarkerCover, SeenCover
 from ashe_live.render.gl.framing import EMPTY, Framing, Rectangle, common, disjoint, framing, grown, letterbox
 from ashe_live.render.gl.preset import RenderPreset
@@ -53,6 +55,7 @@ class ModelsOnVideo:
         self._straight_video = Video(ctx)
         self._lens = Lens(ctx)
         self._outlines = OutlineSmoothing(ctx, programs)
+        self._silhouette = Silhouette(ctx, programs)
         self._composite = Composite(ctx, programs)
         self.layers = LayerPasses(ctx, programs, cover)
         self._make_for_preset()
@@ -124,7 +127,19 @@ class ModelsOnVideo:
             self._sample_edges(surface, content, framed)
         elif scene.shows_model:
             self._smooth_edges(surface, models, framed, viewport)
-        self._composite.draw(surface, frame.region, footage, scene.is_cut_out)
+        outline = self._seen_outline(footage, frame.region, framed, surface.size)
+        self._composite.draw(surface, frame.region, replace(footage, outline=outline), scene.is_cut_out)
+
+    def _seen_outline(self, footage: Footage, region: Rectangle, framed: Framed, size: Size) -> SeenOutline | None:
+        """The real object's outline within `region` of the layers and its blur's reach; None if it is not matched."""
+        real, blurs = self.layers.real, footage.blurs
+        if real is None or not self._preset.matches_outline or blurs.variance == 0:
+            return None
+        frame = framed(real.drawn_points)
+        if frame is None:
+            return None
+        within = grown(region, blurs.farthest, size)
+        return self._silhouette.draw(real, frame, within, footage.outline_reach, size)
 
     def _smooth_edges(self, surface: Surface, models: StandingGroup, framed: Framed, viewport: Rectangle) -> None:
         """Smooths outlines where one sample a pixel was drawn: the models', and the real object's where shadows end."""
@@ -186,7 +201,14 @@ class ModelsOnVideo:
         return CatchingGround(straight, scene.illumination.ground_rgb, cover, scene.casts_shadow, border_px)
 
     def release(self) -> None:
-        for held in (self.layers, self._straight_video, self._outlines, self._composite, self._lens):
+        for held in (
+            self.layers,
+            self._straight_video,
+            self._outlines,
+            self._silhouette,
+            self._composite,
+            self._lens,
+        ):
             held.release()
         self._release_for_preset()
 

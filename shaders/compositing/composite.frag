@@ -93,6 +93,10 @@ vec3 left_of(vec3 seen, vec3 gone) {
 #endif
 }
 
+#ifdef AT_OBJECT
+#include "compositing/object_outline.glsl"
+#endif
+
 #ifdef RELIEF
 // The local mean at `at` of the viewport: a cubic B-spline over its texels, by four bilinear looks (Sigg, Hadwiger, "Fast
 // third-order texture filtering", GPU Gems 2, 2005).
@@ -162,6 +166,7 @@ void main() {
 #endif
         }
     }
+    float factor = 1.0;
 #ifdef SHADOWS_MEET
     float removable = removable_in(read(added_light, middle, 0, 0), read(removed, middle, 0, 0));
     OfGround of_ground = OfGround(vec4(0.0), 0.0);
@@ -183,12 +188,27 @@ void main() {
 #endif
         }
     }
-    float factor = factor_at(removable, of_ground);
+    factor = factor_at(removable, of_ground);
     gone += (factor - 1.0) * of_ground.gone.rgb;
 #ifdef WIDE
     wide_gone += (factor_at(removable, wide_of_ground) - 1.0) * wide_of_ground.gone.rgb;
 #endif
     coarse_removed.rgb *= mix(1.0, factor, of_ground.weight);
+#endif
+#ifdef AT_OBJECT
+    AcrossOutline across = across_outline(middle, at, linear_from_srgb(textureLod(video, at, 0.0).rgb), factor);
+    light = mix(light, across.light, across.nearness);
+    gone = mix(gone, across.gone, across.nearness);
+#ifdef WIDE
+    // The video's own border has been sharpened.
+    wide_light = mix(wide_light, min(across.light, 1.0), across.nearness);
+    wide_gone = mix(wide_gone, across.gone, across.nearness);
+#endif
+    coarse_removed.rgb = mix(coarse_removed.rgb, across.gone, across.nearness);
+#ifdef COARSE
+    // Else the model's colour would be left where the object's outline is beside its body's.
+    coarse_added = mix(coarse_added, min(across.light, 1.0), across.nearness);
+#endif
 #endif
     vec3 change = abs(gone);
 #ifdef WIDE

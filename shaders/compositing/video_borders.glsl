@@ -33,7 +33,7 @@ OfGround adding(OfGround sums, float weight, vec3 gone, float removable) {
     return OfGround(sums.gone + counted * vec4(gone, removable + FAINT), sums.weight + counted);
 }
 
-// By what the ground's part is multiplied in a pixel of the ground.
+// By what the ground's part is multiplied in a pixel of the ground; 1 where there is no such border.
 float factor_at(float removable, OfGround sums) {
-    return removable < 0.0 ? 1.0 : min((removable + FAINT) * sums.weight / max(sums.gone.a, 1e-6), MOST);
+    return removable < 0.0 || sums.weight == 0.0 ? 1.0 : min((removable + FAINT) * sums.weight / max(sums.gone.a, 1e-6), MOST);
 }

@@ -22,6 +22,7 @@ from ashe_live.render.camera.white import OVEREXPOSED
 from ashe_live.render.compositing.coarse import KERNEL_SIGMAS, CoarseBlur, CoarseLayers
 from ashe_live.render.compositing.ground_means import GroundMeans
 from ashe_live.render.compositing.lens import Lens
+from ashe_live.render.compositing.silhouette import OutlineReach, SeenOutline
 from ashe_live.render.cover.marker_cover import SeenCover
 from ashe_live.render.gl.framing import Rectangle, common, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
@@ -59,10 +60,19 @@ class Footage:
     lens: Lens | None = None  # what bends the pinhole camera's layers to the frame
     is_split: bool = False  # the left half of the viewport stays as it is
     shadows_meet: bool = False  # whether a model's shadow may reach one that is in the video
+    outline: SeenOutline | None = None  # of the real object, where the layers may have something beside it
 
     @property
     def blurs(self) -> Blurs:
-        return _blurs_of(self.viewport[2] / self.tracked.frame.size[0], self.look)
+        return _blurs_of(self._scale, self.look)
+
+    @property
+    def outline_reach(self) -> OutlineReach:
+        return OutlineReach(self.blurs.variance, self._scale)
+
+    @property
+    def _scale(self) -> float:
+        return self.viewport[2] / self.tracked.frame.size[0]
 
     @property
     def uniforms(self) -> dict[str, Any]:
@@ -85,7 +95,7 @@ class Composite:
         self._programs = programs
         self._coarse = CoarseLayers(ctx, programs)
         self._means = GroundMeans(ctx, programs)
-        self._choosing, self._composing = WholeRectangle(ctx), WholeRectangle(ctx)
+        self._rectangles = tuple(WholeRectangle(ctx) for _ in range(4))
 
     def draw(self, surface: Surface, region: Rectangle, onto: Footage, is_cut_out: bool = False) -> None:
         """Onto the video in `surface.colour`, within `region` and its blur's reach.
@@ -95,7 +105,7 @@ class Composite:
         """
         viewport, frame, bends = onto.viewport, onto.tracked.frame, onto.lens is not None
         blurs = onto.blurs
-        choosing, program = self._programs_for(onto, is_cut_out)
+        choosing, program = self._programs.get("compositing/touched", bends=bends), self._composing(onto, is_cut_out)
         within = grown(region, blurs.farthest, surface.size)
         self._coarse.draw(surface, within, viewport, blurs.coarse, blurs.reach // 2)
         self._coarse.bind()
@@ -108,29 +118,40 @@ class Composite:
             within = viewport
         within = common(within, viewport)  # black bars beside the video stay black
         set_uniforms(choosing, **where)
-        set_uniforms(program, **where, **onto.uniforms, seed=frame.index)
-        if onto.cover is not None:
-            onto.cover.bind(program)
+        relief = {}
         if onto.relief is not None:
             means = self._means.draw(within, viewport, onto.cover, bends)
             contrast, most, sky = onto.relief
-            set_uniforms(program, means=means, contrast_left=contrast, most_relief=most, sky_share=sky)
+            relief = {"means": means, "contrast_left": contrast, "most_relief": most, "sky_share": sky}
         if onto.is_split:
             within = _right_of(viewport[0] + viewport[2] // 2, within)
-        with surface.chosen.choosing(surface.choice, within):
-            self._choosing.draw(choosing)
-        with surface.chosen.restricted(surface.chosen_colour, within):
-            self._composing.draw(program)
+        every, at_outline = self._rectangles[:2], self._rectangles[2:]
+        passes = [(choosing, program, every, within)]
+        if onto.outline is not None:
+            around = within if bends else common(within, onto.outline.around)
+            at_object = self._composing(onto, is_cut_out, at_object=True)
+            choosing = self._programs.get("compositing/at_outline", bends=bends)
+            onto.outline.bind(choosing, at_object)
+            set_uniforms(choosing, **where)
+            passes.append((choosing, at_object, at_outline, around))
+        for choosing, program, (chosen, composed), within in passes:
+            set_uniforms(program, **where, **onto.uniforms, **relief, seed=frame.index)
+            if onto.cover is not None:
+                onto.cover.bind(program)
+            with surface.chosen.choosing(surface.choice, within):
+                chosen.draw(choosing)
+            with surface.chosen.restricted(surface.chosen_colour, within):
+                composed.draw(program)
         surface.colour.use()
 
-    def _programs_for(self, onto: Footage, is_cut_out: bool) -> tuple[moderngl.Program, moderngl.Program]:
-        """The program that chooses the pixels, and the one that composes them."""
-        blurs, bends = onto.blurs, onto.lens is not None
+    def _composing(self, onto: Footage, is_cut_out: bool, at_object: bool = False) -> moderngl.Program:
+        """The program that composes pixels. `at_object`: those at the real object's outline."""
+        blurs = onto.blurs
         clips_from, clips_to = OVEREXPOSED
-        composing = self._programs.get(
+        return self._programs.get(
             "compositing/composite",
             reach=blurs.reach,
-            bends=bends,
+            bends=onto.lens is not None,
             wide=blurs.widest > blurs.variance,
             coarse=onto.look.chroma_blur_px > 0,
             overexposed=onto.look.is_overexposed,
@@ -140,14 +161,15 @@ class Composite:
             relief=onto.relief is not None,
             shadows_meet=onto.shadows_meet,
             cut_out=is_cut_out,
+            at_object=at_object,
+            outline_reach=onto.outline_reach.reach if at_object else 0,
         )
-        return self._programs.get("compositing/touched", bends=bends), composing
 
     def release(self) -> None:
         self._coarse.release()
         self._means.release()
-        self._choosing.release()
-        self._composing.release()
+        for rectangle in self._rectangles:
+            rectangle.release()
 
 
 def _right_of(column: int, rectangle: Rectangle) -> Rectangle:

@@ -16,6 +16,7 @@ class RenderPreset:
     msaa_samples: int  # a pixel, on a GPU; 0: one, and outlines are smoothed afterwards
     software_msaa_samples: int  # the same where the processor draws, which they cost up to twice a picture's time
     environment_size: int  # texels a side of what polished surfaces mirror, a power of two
+    matches_outline: bool  # whether model and its shadow end at the real object's outline in the video
     matches_blur: bool = True  # whether model and shadow are blurred as the video is
     matches_noise: bool = True  # whether they get its noise
     matches_lens: bool = True  # whether they are bent as its lens bends; False: the lens is taken off the video
@@ -35,6 +36,7 @@ FAST = RenderPreset(
     msaa_samples=0,
     software_msaa_samples=0,
     environment_size=32,
+    matches_outline=False,
 )
 BALANCED = RenderPreset(
     shadow_map_size=1024,
@@ -46,6 +48,7 @@ BALANCED = RenderPreset(
     msaa_samples=4,
     software_msaa_samples=0,
     environment_size=64,
+    matches_outline=True,
 )
 ACCURATE = RenderPreset(
     shadow_map_size=2048,
@@ -57,4 +60,5 @@ ACCURATE = RenderPreset(
     msaa_samples=8,
     software_msaa_samples=8,
     environment_size=128,
+    matches_outline=True,
 )

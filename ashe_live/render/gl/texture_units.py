@@ -35,5 +35,6 @@ UNIT_OF = {
     "coarse_gone": 10,
     "outline_steps": 12,
     "ground_mean": 0,
+    "silhouette": 2,
     "noisy_shadow": 12,
 }

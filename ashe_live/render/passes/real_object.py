@@ -78,6 +78,15 @@ class RealObject:
         framebuffer.use()
         self._ctx.disable_direct(GL_DEPTH_CLAMP)
 
+    def draw_silhouette(self, framing: Framing) -> None:
+        """Draws 1 wherever it is in the picture into the framebuffer that is bound, whatever is in front of it."""
+        program = self._programs.get("catchers/silhouette")
+        set_uniforms(program, clip_from_marker=framing.clip_from_marker)
+        self._ctx.enable_only(moderngl.CULL_FACE)
+        self._ctx.enable_direct(GL_DEPTH_CLAMP)
+        self._drawn.array(program).render()
+        self._ctx.disable_direct(GL_DEPTH_CLAMP)
+
     def release(self) -> None:
         self._casting.release()
         self._drawn.release()
