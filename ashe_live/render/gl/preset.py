@@ -16,9 +16,9 @@ class RenderPreset:
     msaa_samples: int  # a pixel, on a GPU; 0: one, and outlines are smoothed afterwards
     software_msaa_samples: int  # the same where the processor draws, which they cost up to twice a picture's time
     environment_size: int  # texels a side of what polished surfaces mirror, a power of two
-    matches_outline: bool  # whether model and its shadow end at the real object's outline in the video
     matches_blur: bool = True  # whether model and shadow are blurred as the video is
     matches_noise: bool = True  # whether they get its noise
+    matches_outline: bool = True  # whether they end at the real object's outline in it
     matches_lens: bool = True  # whether they are bent as its lens bends; False: the lens is taken off the video
 
     def with_samples(self, count: int) -> "RenderPreset":
@@ -36,7 +36,6 @@ FAST = RenderPreset(
     msaa_samples=0,
     software_msaa_samples=0,
     environment_size=32,
-    matches_outline=False,
 )
 BALANCED = RenderPreset(
     shadow_map_size=1024,
@@ -48,7 +47,6 @@ BALANCED = RenderPreset(
     msaa_samples=4,
     software_msaa_samples=0,
     environment_size=64,
-    matches_outline=True,
 )
 ACCURATE = RenderPreset(
     shadow_map_size=2048,
@@ -60,5 +58,4 @@ ACCURATE = RenderPreset(
     msaa_samples=8,
     software_msaa_samples=8,
     environment_size=128,
-    matches_outline=True,
 )
