@@ -15,6 +15,9 @@ const int LOOKS = 5;
 uniform vec2 looks_px[LOOKS];  // from a pixel to where the video is looked at on either side, across and along the outline
 const vec2 EVEN_SIDES = vec2(0.06, 0.18);  // deviation of what is seen there, of both sides' difference, up to which they are even, and from which on not
 uniform float border_step_px;  // of the video, in pixels of the viewport
+// Of both sides' difference, by how much a pixel, or what is near the outline, may be brighter or darker than both sides,
+// as a sharpened border is, and from how much on there is something else: a rim of the object, or what stands there.
+const vec2 BEYOND_BOTH = vec2(0.2, 0.4);
 const vec2 CONTRAST = vec2(0.2, 0.4);  // difference of B and O, of the brighter one, from which on it matters, and wholly
 
 struct Sides {
@@ -90,11 +93,14 @@ AcrossOutline across_outline(vec2 middle, vec2 at, vec3 seen, float factor) {
         // What is less like the other side is farther from the border's blur.
         bool is_object_dark = far.x > far.y;
         near = mix(near, far, lessThan(near, vec2(0.0)));
+        vec2 bounds = vec2(min(far.x, far.y), max(far.x, far.y));
+        vec3 beyond = abs(vec3(near, dot(seen, LUMINANCE)) - clamp(vec3(near, dot(seen, LUMINANCE)), bounds.x, bounds.y));
+        float strange = max(max(beyond.x, beyond.y), beyond.z) / max(bounds.y - bounds.x, 1e-4);
         level_behind = is_object_dark ? max(near.x, far.x) : min(near.x, far.x);
         level_object = is_object_dark ? min(near.y, far.y) : max(near.y, far.y);
         float difference = level_behind - level_object;
         float contrast = abs(difference) / max(max(level_behind, level_object), 1e-3);
-        matters = even * smoothstep(CONTRAST.x, CONTRAST.y, contrast);
+        matters = even * smoothstep(CONTRAST.x, CONTRAST.y, contrast) * (1.0 - smoothstep(BEYOND_BOTH.x, BEYOND_BOTH.y, strange));
         difference = is_object_dark ? max(difference, 1e-4) : min(difference, -1e-4);
         // What rises or falls on one side only is a rim of the object or a pattern of the ground, and not the border.
         vec2 pixel = border_step_px * outwards / viewport.zw;
@@ -106,7 +112,9 @@ AcrossOutline across_outline(vec2 middle, vec2 at, vec3 seen, float factor) {
     vec3 gone_behind = factor * sides.gone_behind / max(sides.pure_behind, 1e-20);
     vec3 gone_object = sides.gone_object / max(sides.pure_object, 1e-20);
     vec4 light_behind = sides.light_behind / max(sides.pure_behind, 1e-20);
-    vec4 light = mix(sides.light_object / max(sides.pure_object, 1e-20), light_behind, share);
+    vec4 light_object = sides.light_object / max(sides.pure_object, 1e-20);
+    matters *= 1.0 - clamp(light_object.a, 0.0, 1.0);  // a model in front of the object hides its outline
+    vec4 light = mix(light_object, light_behind, share);
     vec3 gone = (from_behind * gone_behind + from_object * gone_object) / (from_behind + from_object);
     return AcrossOutline(light, gone, is_at ? matters * smoothstep(0.0, 0.1, min(bound, 1.0 - bound)) : 0.0);
 }
