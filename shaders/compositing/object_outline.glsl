@@ -93,14 +93,16 @@ AcrossOutline across_outline(vec2 middle, vec2 at, vec3 seen, float factor) {
         // What is less like the other side is farther from the border's blur.
         bool is_object_dark = far.x > far.y;
         near = mix(near, far, lessThan(near, vec2(0.0)));
-        vec2 bounds = vec2(min(far.x, far.y), max(far.x, far.y));
-        vec3 beyond = abs(vec3(near, dot(seen, LUMINANCE)) - clamp(vec3(near, dot(seen, LUMINANCE)), bounds.x, bounds.y));
-        float strange = max(max(beyond.x, beyond.y), beyond.z) / max(bounds.y - bounds.x, 1e-4);
+        vec2 both = vec2(min(far.x, far.y), max(far.x, far.y));
+        vec3 here = vec3(near, dot(seen, LUMINANCE));
+        vec3 beyond = abs(here - clamp(here, both.x, both.y));
+        float beyond_both = max(max(beyond.x, beyond.y), beyond.z) / max(both.y - both.x, 1e-4);
         level_behind = is_object_dark ? max(near.x, far.x) : min(near.x, far.x);
         level_object = is_object_dark ? min(near.y, far.y) : max(near.y, far.y);
         float difference = level_behind - level_object;
         float contrast = abs(difference) / max(max(level_behind, level_object), 1e-3);
-        matters = even * smoothstep(CONTRAST.x, CONTRAST.y, contrast) * (1.0 - smoothstep(BEYOND_BOTH.x, BEYOND_BOTH.y, strange));
+        matters = even * smoothstep(CONTRAST.x, CONTRAST.y, contrast);
+        matters *= 1.0 - smoothstep(BEYOND_BOTH.x, BEYOND_BOTH.y, beyond_both);
         difference = is_object_dark ? max(difference, 1e-4) : min(difference, -1e-4);
         // What rises or falls on one side only is a rim of the object or a pattern of the ground, and not the border.
         vec2 pixel = border_step_px * outwards / viewport.zw;

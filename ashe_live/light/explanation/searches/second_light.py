@@ -58,11 +58,7 @@ def with_lights_counted(
         found = shadow_candidates(known.proxy, known.lit.lights, view.coarse, view.ground, TRIED)
         tried = [_tried(known, candidate, view, region_px) for candidate in found]
         pairs += [both for both in tried if both is not None]
-    whole = pairs
-    for pair in pairs:
-        if any(_cuts_short(pair, other) for other in without(whole, [pair])):
-            whole = without(whole, [pair])
-    others = without(kept, pairs)
+    whole, others = _without_cut(pairs), without(kept, pairs)
     return [*whole, *(other for other in others if not any(is_part_of(both, other) for both in whole))]
 
 
@@ -75,6 +71,15 @@ def _shows_both(both: Explanation, singles: Sequence[Explanation]) -> bool:
         for single in singles
         if single.region is both.region
     )
+
+
+def _without_cut(pairs: Sequence[Explanation]) -> list[Explanation]:
+    """The explanations by two lights without those that cut short a shadow of one that is left."""
+    whole = list(pairs)
+    for pair in pairs:
+        if any(_cuts_short(pair, other) for other in without(whole, [pair])):
+            whole = without(whole, [pair])
+    return whole
 
 
 def _cuts_short(pair: Explanation, whole: Explanation) -> bool:
