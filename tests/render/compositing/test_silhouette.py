@@ -6,10 +6,15 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.light import Illumination
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
+from ashe_live.core.types import TrackedFrame
+from ashe_live.models.catalogue import load_model
+from ashe_live.models.placement import Placement, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED
 from ashe_live.render.gl.preset import RenderPreset
@@ -24,6 +29,25 @@ SHADOW = "shadow"
 MODEL = "model"
 
 
+def _covered(camera: Camera, T_cam_marker: Float, blur: float, off_px: float = 0.0) -> np.ndarray:
+    """(h, w) share of each pixel that shows the object, `off_px` to the right of its proxy, by a lens of this blur."""
+    outline = cv2.convexHull((project(camera, T_cam_marker, CORNERS) + np.array([off_px, 0.0])).astype(np.float32))
+    fine = np.zeros((FINE * camera.size[1], FINE * camera.size[0]))
+    cv2.fillConvexPoly(fine, np.round(((outline + 0.5) * FINE - 0.5) * 16).astype(int), 1.0, shift=4)
+    return cv2.GaussianBlur(cv2.resize(fine, camera.size, interpolation=cv2.INTER_AREA), (0, 0), blur)
+
+
+def _with_object(image: np.ndarray, covered: np.ndarray, level: float) -> np.ndarray:
+    """(h, w) levels of a grey picture in which an object of this linear brightness covers so much of each pixel."""
+    linear = LINEAR_FROM_SRGB_8BIT[image[..., 1]]
+    return 255 * srgb_from_linear(linear + covered * (level - linear))
+
+
+def _video(bare: TrackedFrame, levels: np.ndarray) -> TrackedFrame:
+    grey = np.repeat(np.round(levels).astype(np.uint8)[..., None], 3, axis=2)
+    return replace(bare, frame=replace(bare.frame, image_bgr=grey))
+
+
 def _levels_off(
     make_renderer, stage, preset: RenderPreset, behind: str, level: float, blur: float, off_px: float
 ) -> np.ndarray:
@@ -33,14 +57,10 @@ def _levels_off(
     """
     bare = _sheet(stage, blur=blur)
     camera, T_cam_marker = bare.camera, bare.marker.T_cam_marker
-    outline = cv2.convexHull((project(camera, T_cam_marker, CORNERS) + np.array([off_px, 0.0])).astype(np.float32))
-    fine = np.zeros((FINE * camera.size[1], FINE * camera.size[0]))
-    cv2.fillConvexPoly(fine, np.round(((outline + 0.5) * FINE - 0.5) * 16).astype(int), 1.0, shift=4)
-    covered = cv2.GaussianBlur(cv2.resize(fine, camera.size, interpolation=cv2.INTER_AREA), (0, 0), blur)
+    covered = _covered(camera, T_cam_marker, blur, off_px)
 
     def with_object(image: np.ndarray) -> np.ndarray:
-        linear = LINEAR_FROM_SRGB_8BIT[image[..., 1]]
-        return 255 * srgb_from_linear(linear + covered * (level - linear))
+        return _with_object(image, covered, level)
 
     # In light from -x: a model whose shadow, or which itself, is behind the object in the picture.
     model = box((0.02, 0.12, 0.06), BLACK).moved(1.0, np.array([-0.125, 0.06, 0.0]))
@@ -50,8 +70,7 @@ def _levels_off(
     light = stage.light(180, 30, (0.3, 0.3, 0.3))
     renderer = make_renderer(replace(preset, matches_noise=False))
     alone = stage.picture(renderer, Scene(bare, placed, Illumination((light,))))
-    grey = np.repeat(with_object(bare.frame.image_bgr)[..., None], 3, axis=2)
-    video = replace(bare, frame=replace(bare.frame, image_bgr=np.round(grey).astype(np.uint8)))
+    video = _video(bare, with_object(bare.frame.image_bgr))
     picture = stage.picture(renderer, Scene(video, placed, Illumination((light,), real_object=POST)))
     # Where what is behind the object is even, and changed.
     window = np.ones((9, 9))
@@ -92,3 +111,21 @@ def test_an_object_as_bright_as_the_ground_has_the_outline_that_is_drawn(make_re
         for matches in (True, False)
     )
     assert np.sqrt(np.mean(matched**2)) < 1.05 * np.sqrt(np.mean(drawn**2))
+
+
+def test_a_model_in_front_of_the_object_is_drawn_as_if_no_outline_were_behind_it(make_renderer, stage) -> None:
+    bare = _sheet(stage, blur=0.6)
+    covered = _covered(bare.camera, bare.pose.T_cam_marker, 0.6)
+    video = _video(bare, _with_object(bare.frame.image_bgr, covered, 0.01))
+    around = Placement(shift_m=(-0.0925, -0.02))  # the object is inside of the block
+    block, illumination = placed_on_marker(load_model("cube"), 0.08), Illumination(real_object=POST)
+    matched, drawn = (
+        stage.picture(
+            make_renderer(replace(BALANCED.render, matches_noise=False, matches_outline=matches)),
+            Scene(video, block, illumination, placement=around),
+        ).astype(int)
+        for matches in (True, False)
+    )
+    changed = np.abs(drawn - video.frame.image_bgr).max(axis=2) > 20
+    assert (changed & (covered > 0.5)).sum() > 0.95 * (covered > 0.5).sum()
+    assert np.abs(matched - drawn)[covered > 0].max() <= 1
