@@ -14,7 +14,7 @@ from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.borders import PIXELS_PER_SAMPLE
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.light_covariance import MODEL_ERROR_SHARE
-from ashe_live.light.explanation.searches.second_light import LEAST_GAIN
+from ashe_live.light.explanation.searches.second_light import BESIDE, OVERLAPPING
 from ashe_live.light.lamps.companions import LEAST_PROBABILITY
 from ashe_live.light.lamps.doubt import CHANCE_DEVIANCE, LAMPS_NEARNESS
 from ashe_live.light.lamps.fall import fall_off, lit_samples
@@ -70,7 +70,12 @@ STATED = {
     "another object's odds": ("docs/maths/lamps.md", "From {:g} on it counts", (LEAST_PROBABILITY,)),
     "the nearness of lamps": ("docs/maths/lamps.md", "A lamp has k ~ N(0, {:g}²/m²), positive", (LAMPS_NEARNESS,)),
     "a sun's direction stays": ("docs/maths/lamps.md", "Below D = {:g} (one in twenty by chance,", (CHANCE_DEVIANCE,)),
-    "a second light": ("docs/maths/colours.md", "the region would cost {:g} more by (15)", (LEAST_GAIN,)),
+    "a second light": ("docs/maths/colours.md", "the region would cost {:g} more by (15)", (BESIDE.gain,)),
+    "an overlapping shadow": (
+        "docs/maths/colours.md",
+        "must lower (15) by {:g}, for five parameters",
+        (OVERLAPPING.gain,),
+    ),
     "where it is looked for": ("docs/maths/lamps.md", "or uncertain by more than {:g} / m", (OPEN_NEARNESS_SIGMA,)),
     "a picture's effective sample size": (
         "docs/maths/explanation.md",
