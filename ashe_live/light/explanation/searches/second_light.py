@@ -30,7 +30,7 @@ LEAST_CLARITY = 0.18  # mean, of the borders of a shadow
 
 
 @dataclass(frozen=True, slots=True)
-class _Evidence:
+class Evidence:
     """What a second light must show at least."""
 
     gain: float  # by which it lowers the unary costs
@@ -38,10 +38,10 @@ class _Evidence:
     is_seen_alone: bool  # whether some of its shadow must lie beside the first one's
 
 
-BESIDE = _Evidence(2 * COST_PER_PARAMETER, LEAST_CLARITY, is_seen_alone=True)
+BESIDE = Evidence(2 * COST_PER_PARAMETER, LEAST_CLARITY, is_seen_alone=True)
 # A shadow that overlaps the first one's has five parameters, with its shift, which is not seen by itself. And the sky
 # that an object hides makes its shadow darker at its foot as well, but without a border.
-OVERLAPPING = _Evidence(5 * COST_PER_PARAMETER, 0.5, is_seen_alone=False)
+OVERLAPPING = Evidence(5 * COST_PER_PARAMETER, 0.5, is_seen_alone=False)
 
 
 def with_lights_counted(
@@ -149,7 +149,7 @@ def _tried(
     shifts: tuple[Float, Float],
     view: SceneView,
     region_px: int,
-    least: _Evidence,
+    least: Evidence,
 ) -> Explanation | None:
     """The explanation with a second light; None if that is rejected.
 
