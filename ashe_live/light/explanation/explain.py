@@ -175,6 +175,11 @@ def are_alike(one: Explanation, other: Explanation) -> bool:
     return bool(differing < DIFFERING_SHARE * np.count_nonzero(a.whole | b.whole))
 
 
+def are_of_one_object(one: Explanation, other: Explanation) -> bool:
+    """Whether two explanations are of what one region shows, or of what stands in one place in two regions."""
+    return one.region is other.region or one.stands_as(other, ONE_OBJECT_SHARE)
+
+
 def _masks(proposal: Proposal) -> Masks:
     region, split = proposal.region, proposal.split
     return Masks(

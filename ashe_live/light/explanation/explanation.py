@@ -77,15 +77,17 @@ class Explanation:
         """What stands in the place of the real object: the hull where there is one, else the fitted body."""
         return self.hull or self.proxy
 
-    def is_like(self, other: "Explanation", apart_share: float, turned_rad: float) -> bool:
-        """Whether both have as many lights, each within an angle, and their bodies stand within a share of their size.
+    def stands_as(self, other: "Explanation", apart_share: float) -> bool:
+        """Whether both bodies stand within a share of the smaller one's size of each other.
 
         By where the bodies stand, and not by their frames' origins, from which a fit moves them.
         """
-        if len(self.lights) != len(other.lights):
-            return False
         apart_m = np.linalg.norm(self.proxy.foot_marker - other.proxy.foot_marker)
-        if apart_m > apart_share * min(self.lit.body.frame.unit_m, other.lit.body.frame.unit_m):
+        return bool(apart_m <= apart_share * min(self.lit.body.frame.unit_m, other.lit.body.frame.unit_m))
+
+    def is_like(self, other: "Explanation", apart_share: float, turned_rad: float) -> bool:
+        """Whether both have as many lights, each within an angle, and their bodies stand within a share of a size."""
+        if len(self.lights) != len(other.lights) or not self.stands_as(other, apart_share):
             return False
         pairs = zip(self.lights, other.lights, strict=True)
         return all(angle_between(a.to_light_marker, b.to_light_marker) < turned_rad for a, b in pairs)

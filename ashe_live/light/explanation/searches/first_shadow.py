@@ -10,7 +10,12 @@ from dataclasses import replace
 
 from ashe_live.core.arrays import distinct
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.explanation.explain import FittedProposal, aligned_explanations, proposal_of
+from ashe_live.light.explanation.explain import (
+    FittedProposal,
+    aligned_explanations,
+    are_of_one_object,
+    proposal_of,
+)
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.second_light import LEAST_CLARITY, NEAR_RAD
@@ -43,7 +48,7 @@ def with_shadows_searched(
     refined = for_groups(refine, [[each for each in of_one if each is not None] for of_one in aligned])
     kept = list(judged)
     for one, of_one in zip(objects, refined, strict=True):
-        same = [each for each in kept if each.region is one.region]
+        same = [each for each in kept if are_of_one_object(each, one)]
         for new in of_one:
             rivals = [each for each in same if _near(each, new)]
             if _shows_shadow(new) and all(log_odds(new) > log_odds(each) for each in rivals):
@@ -52,9 +57,9 @@ def with_shadows_searched(
 
 
 def _clear_objects(judged: Sequence[Explanation], log_odds: Callable[[Explanation], float]) -> list[Explanation]:
-    """The likeliest explanation of each region that shows an object, the likeliest region first."""
+    """The likeliest explanation of each object, the likeliest first: one that two regions show is searched once."""
     clear = (each for each in judged if each.alignment.clear_body > CLEAR_BODY)
-    return distinct(sorted(clear, key=log_odds, reverse=True), lambda each, one: each.region is one.region, BODIES)
+    return distinct(sorted(clear, key=log_odds, reverse=True), are_of_one_object, BODIES)
 
 
 def _starts(one: Explanation, view: SceneView, region_px: int) -> list[FittedProposal]:
