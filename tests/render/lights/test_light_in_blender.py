@@ -61,8 +61,9 @@ def ran(lines: str, known: dict, folder, monkeypatch) -> dict:
         Light(TOWARDS, shadow_rgb_ratio=RATIO, inverse_distance=2.5),
     ],
 )
-def test_its_lamps_give_the_table_what_models_get(light: Light, tmp_path, monkeypatch) -> None:
-    lit = Illumination((light,), ambient_rgb_ratio=light.shadow_rgb_ratio)
+@pytest.mark.parametrize("knows_ambient", [True, False], ids=["estimated", "by hand"])
+def test_its_lamps_give_the_table_what_models_get(light: Light, knows_ambient: bool, tmp_path, monkeypatch) -> None:
+    lit = Illumination((light,), ambient_rgb_ratio=light.shadow_rgb_ratio if knows_ambient else None)
     names = ran(LIGHT, {"estimate": light_by_hand_json(lit, 0)}, tmp_path, monkeypatch)
     shown, lamp = names["shown"], names["lamp"]
     nodes = names["bpy"].context.scene.world.node_tree.nodes
