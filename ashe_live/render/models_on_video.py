@@ -9,7 +9,6 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera, Size
-from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.compositing.composite import Composite, Footage
 from ashe_live.render.compositing.lens import Lens
@@ -70,10 +69,6 @@ class ModelsOnVideo:
     @property
     def looked_up(self) -> LookedUp:
         return LookedUp(self.shadows, self._ground_shadows, self._environment)
-
-    def follow_real_object(self, proxy: Proxy | None, seen_in: TrackedFrame | None, waits: bool) -> None:
-        if self.layers.follow_real_object(proxy, seen_in, waits):
-            self.shadows.forget()
 
     def forget_models(self) -> None:
         """Drops the references to what was drawn last."""
@@ -177,11 +172,13 @@ class ModelsOnVideo:
                 self.layers.draw(content, with_ground=real is not None)
 
     def _prepared(self, models: StandingGroup, scene: Scene, lighting: Lighting, waits: bool) -> MarkerCover | None:
-        """Prepares shadows, the cover and the ground that catches them; returns what covers the marker's sheet."""
+        """Prepares real object, shadows and the ground that catches them; returns what covers the marker's sheet."""
+        cover = self.layers.follow_sheet(scene, waits)
+        if self.layers.follow_real_object(scene.real_object(cover is not None), scene.object_seen_in, waits):
+            self.shadows.forget()
         casters = models.casters(lighting, self.layers.real is not None)
         self.shadows.render(casters, lighting, self.layers.real)
         self._ground_shadows.render(self.shadows, lighting)
-        cover = self.layers.follow_sheet(scene, waits)
         self.layers.catcher.fit(models, lighting, self.shadows, _covered(cover))
         self.layers.catcher.follow(models, lighting, self._ground_shadows)
         return cover

@@ -80,11 +80,15 @@ class Scene:
         """
         return self.covers_marker and (self.casts_shadow or not self.is_cut_out)
 
-    @property
-    def real_object(self) -> Proxy | None:
-        """The real object beside the model; None for a body with the marker on it that is covered."""
+    def real_object(self, has_cover: bool) -> Proxy | None:
+        """The real object beside the model; None for a body with the marker on it that is covered.
+
+        `has_cover`: the ground that covers it is drawn. As long as that is being made, or where none is seen that could
+        be laid over it, the body is still there.
+        """
         marker = None if self.tracked is None else self.tracked.marker
-        if self.covers_marker and marker is not None and marker.body is not None:
+        is_gone = has_cover or not self.shows_cover
+        if self.covers_marker and is_gone and marker is not None and marker.body is not None:
             return None
         return self.illumination.real_object
 

@@ -7,6 +7,8 @@ from ashe_live.quality import QUALITIES, Quality
 
 LADDER = tuple(QUALITIES.values())
 WINDOW_FRAMES = 60
+# Where frames take long, so many of them that took this long together suffice to step down: 60 may take a minute.
+SLOW_FRAMES, SLOW_MS = 9, 4000.0
 TOO_SLOW = 0.9  # of the display's interval: step down before frames are dropped
 AMPLE = 0.35  # of the display's interval: the next preset, at about twice the cost, would still fit
 CALM_WINDOWS = 3  # windows in a row below AMPLE before a step up
@@ -28,9 +30,11 @@ class AutoQuality:
     def add(self, work_ms: float) -> bool:
         """Adds how long one frame took to track or draw, in milliseconds; returns whether `quality` has changed."""
         self._times_ms.append(work_ms)
-        if len(self._times_ms) < WINDOW_FRAMES:
-            return False
         typical_ms = median(self._times_ms)
+        are_slow = len(self._times_ms) >= SLOW_FRAMES and sum(self._times_ms) >= SLOW_MS
+        is_early = are_slow and typical_ms > TOO_SLOW * self._interval_ms
+        if len(self._times_ms) < WINDOW_FRAMES and not is_early:
+            return False
         self._times_ms.clear()
         place = LADDER.index(self.quality)
         if typical_ms > TOO_SLOW * self._interval_ms:

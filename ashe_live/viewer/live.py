@@ -25,6 +25,7 @@ from ashe_live.viewer.sources.played_source import PlayedSource
 from ashe_live.viewer.status import light_line
 from ashe_live.viewer.stillness import Stillness
 from ashe_live.viewer.windows.window import Window
+from ashe_live.viewer.windows.x_errors import finished_if_the_display_goes
 
 IDLE_S = 0.1  # the longest wait for an event, or for a frame of the source, while nothing changes
 
@@ -91,6 +92,7 @@ class LiveViewer:
             ending.callback(self._opening.close)
             ending.callback(self._session.arrangement.keep_places)
             ending.callback(lambda: self._keeper.finish(time.monotonic()))
+            ending.enter_context(finished_if_the_display_goes(ending.close))
             while not (self._quit or self._window.is_closing):
                 end_if_asked()
                 now_s, begun_s = time.monotonic(), time.perf_counter()

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -148,8 +149,9 @@ class Running:
         self._out.close()
 
 
-@pytest.fixture(scope="session")
-def screen() -> Iterator[Screen]:
+@contextmanager
+def virtual_screen() -> Iterator[tuple[Screen, subprocess.Popen[bytes]]]:
+    """An Xvfb of its own, and its process."""
     for program in ("Xvfb", "xdotool"):
         if shutil.which(program) is None:
             pytest.skip(f"{program} is not installed (apt-get install xvfb xdotool)")
@@ -161,9 +163,15 @@ def screen() -> Iterator[Screen]:
         number = numbers.readline().strip()  # written once the server listens; empty when it could not start
     if not number:
         pytest.skip("Xvfb does not start here")
-    yield Screen(f":{number}")
+    yield Screen(f":{number}"), server
     server.terminate()
     server.wait()
+
+
+@pytest.fixture(scope="session")
+def screen() -> Iterator[Screen]:
+    with virtual_screen() as (screen, _):
+        yield screen
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,6 @@
-"""A program that ends while something is dragged from it does not take the viewer with it."""
+"""A program that ends while something is dragged from it does not take the viewer with it; nor is anything lost with a
+display.
+"""
 
 import ctypes
 import subprocess
@@ -6,8 +8,11 @@ import sys
 
 import pytest
 
+from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.errors import ExitStatus
+from ashe_live.viewer.windows.x_errors import DISPLAY_LOST
 from tests.checkout import CHECKOUT
-from tests.e2e.conftest import PATIENCE_S, Screen, await_that
+from tests.e2e.conftest import PATIENCE_S, QUICK_VIEWER, Running, Screen, await_that, player, virtual_screen
 
 pytestmark = pytest.mark.window
 CLIENT_MESSAGE = 33  # X.h
@@ -72,6 +77,33 @@ def test_a_drag_from_a_program_that_has_ended_does_not_end_the_viewer(play):
     await_that(lambda: viewer.process.poll() is not None or viewer.files("*.png"), "a snapshot")
     assert viewer.files("*.png"), viewer.output
     assert viewer.end() == 0
+
+
+def test_a_display_that_goes_costs_no_recording(shoot_film, tmp_path):
+    film = shoot_film(tmp_path, (320, 240), 30)
+    folder = tmp_path / "viewer"
+    folder.mkdir()
+    with virtual_screen() as (screen, server):
+
+        def launch(*arguments: object) -> Running:
+            running = Running(screen, folder, tuple(map(str, arguments)), (str(QUICK_VIEWER),))
+            running.await_window()
+            return running
+
+        viewer = player(launch, film)("--loop")
+        viewer.press("v")
+        # It begins with less than 1 kB, and grows by fragments of two seconds.
+        await_that(lambda: any(path.stat().st_size > 2000 for path in folder.glob(".*.partial.mp4")), "a recording")
+        server.kill()
+        assert viewer.wait() == ExitStatus.WRONG_USE, viewer.output
+    assert DISPLAY_LOST in viewer.output
+    recordings = viewer.files("*.mp4")
+    assert len(recordings) == 1, viewer.output
+    (recorded,) = recordings
+    assert f"saved {recorded}" in viewer.output
+    with ClipSource(recorded) as clip:
+        assert clip.read() is not None
+    assert not list(folder.glob(".*.partial.mp4"))
 
 
 def test_other_errors_of_x_end_the_program_as_before(screen):

@@ -22,6 +22,20 @@ def test_it_steps_down_within_one_window():
     assert run(auto, {ACCURATE: 20, BALANCED: 8, FAST: 4}, 1) == [BALANCED]
 
 
+@pytest.mark.parametrize(("cost_ms", "frames"), [(1000.0, 9), (200.0, 20), (40.0, WINDOW_FRAMES)])
+def test_on_a_very_slow_machine_it_does_not_wait_for_a_whole_window(cost_ms: float, frames: int):
+    auto = AutoQuality(INTERVAL_MS, BALANCED)
+    assert [auto.add(cost_ms) for _ in range(frames)] == [False] * (frames - 1) + [True]
+    assert auto.quality is FAST
+
+
+def test_a_few_frames_of_seconds_as_while_something_is_loaded_are_no_reason_to_step_down():
+    auto = AutoQuality(INTERVAL_MS, BALANCED)
+    for work_ms in [3000.0] * 4 + [8.0] * (WINDOW_FRAMES - 4):
+        assert not auto.add(work_ms)
+    assert auto.quality is BALANCED
+
+
 def test_it_stops_at_the_lowest():
     assert run(AutoQuality(INTERVAL_MS, BALANCED), {BALANCED: 40, FAST: 30}, 50) == [FAST]
 

@@ -10,11 +10,12 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.process.messages import listed
 from ashe_live.tracking.cube.faces import CUBE, CUBE_SPECS
 from ashe_live.tracking.edges.corners import refined_corners
+from ashe_live.tracking.edges.quads import MIN_SIDE_PX as LEAST_SIDE_PX
 from ashe_live.tracking.edges.quads import dark_quads, ink_in, ink_quads, on_lighter, without_repeats
 from ashe_live.tracking.edges.squares import is_front_of_square
 from ashe_live.tracking.families.cells import reader_of
-from ashe_live.tracking.families.dictionary_marker import DICTIONARIES, EDGE_SAMPLES
-from ashe_live.tracking.families.layout import in_words
+from ashe_live.tracking.families.dictionary_marker import DICTIONARIES, EDGE_SAMPLES, DictionaryMarker
+from ashe_live.tracking.families.layout import cube_layout, in_words
 
 # Long codes first: a chance likeness to one of the short ones is no news where a long one is read.
 FAMILIES = ("apriltag_36h11", "7x7_1000", "6x6_1000", "5x5_1000", "4x4_250")
@@ -45,7 +46,7 @@ def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
         found = _read_cell_by_cell(grey, OTHER_FAMILIES)
         if found and _read(_mirrored(grey)):
             return ()
-    return _specs(found)
+    return _specs(found, grey)
 
 
 def mirrored_in_view(image_bgr: Image) -> tuple[str, ...]:
@@ -53,7 +54,8 @@ def mirrored_in_view(image_bgr: Image) -> tuple[str, ...]:
 
     For pictures in which there is no marker: a few are the mirror images of others.
     """
-    return _specs(_read(_mirrored(_looked_at(image_bgr))))
+    mirrored = _mirrored(_looked_at(image_bgr))
+    return _specs(_read(mirrored), mirrored)
 
 
 def in_view_text(specs: Sequence[str]) -> str:
@@ -84,13 +86,24 @@ def _read(grey: Image) -> list[tuple[Float, str]]:
     return _with_others(_read_as_a_whole(grey), _read_cell_by_cell(grey, FAMILIES))
 
 
-def _specs(found: list[tuple[Float, str]]) -> tuple[str, ...]:
-    """Without their corners, the largest first, each once; two faces of the cube are one cube."""
+def _specs(found: list[tuple[Float, str]], grey: Image) -> tuple[str, ...]:
+    """Without their corners, the largest first, each once; two faces of the cube in `grey` (h, w) are one cube."""
     found.sort(key=lambda one: -cv2.contourArea(one[0].astype("float32")))
     specs = list(dict.fromkeys(spec for _, spec in found))
-    if sum(spec in CUBE_SPECS for spec in specs) < FACES_OF_CUBE:
+    seen = [spec for spec in specs if spec in CUBE_SPECS]
+    if not seen or (len(seen) < FACES_OF_CUBE and not _shows_another_face(grey, seen)):
         return tuple(specs)
     return tuple(dict.fromkeys(CUBE if spec in CUBE_SPECS else spec for spec in specs))
+
+
+def _shows_another_face(grey: Image, seen: Sequence[str]) -> bool:
+    """Whether `grey` (h, w) shows a face of the cube beside those `seen`, looked for by its number, as a tracker does.
+
+    From above the sides are small and seen at a slant, so that what looks for any marker reads the top alone.
+    """
+    markers = (member.marker for member in cube_layout().members if member.marker.spec not in seen)
+    others = [marker for marker in markers if isinstance(marker, DictionaryMarker)]
+    return any(others[0].find_several(others, grey, LEAST_SIDE_PX, thorough=True))
 
 
 def _read_as_a_whole(grey: Image) -> list[tuple[Float, str]]:

@@ -14,7 +14,7 @@ from ashe_live.viewer.hands.controls import COMMAND_BY_GESTURE, HELD, REPEATED, 
 from ashe_live.viewer.hands.requests import Files, Gesture, MouseAction, MouseEvent, Request
 from ashe_live.viewer.windows.glfw_library import glfw
 from ashe_live.viewer.windows.window import Presentable
-from ashe_live.viewer.windows.x_errors import outlive_closed_windows
+from ashe_live.viewer.windows.x_errors import handle_x_errors
 
 BOUND_NAMES = {key.rpartition("+")[2] for key in REQUEST_BY_KEY}
 # Names without a GLFW key code are printed on a key in some layouts only, and are recognised by the label.
@@ -200,7 +200,7 @@ def _hidden_window(title: str, size: Size) -> Any:
     glfw.ERROR_REPORTING = "ignore"
     if not glfw.init():
         raise UserError(f"cannot open a window ({_last_error()})", "start it on a screen, or with --headless")
-    outlive_closed_windows()
+    handle_x_errors()
     for hint, value in (
         (glfw.CONTEXT_VERSION_MAJOR, 3),
         (glfw.CONTEXT_VERSION_MINOR, 3),

@@ -11,6 +11,7 @@ from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre, direction_from_angles, project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.models.placement import Placement
 from ashe_live.models.primitives import box
 from ashe_live.quality import FAST
 from ashe_live.render.cover.cover_maker import NEARER
@@ -97,11 +98,27 @@ def test_the_cover_reaches_as_far_as_the_cube_hides_ground_wherever_the_camera_t
 
 def test_what_is_covered_is_no_real_object() -> None:
     tracked = seen(looking(0.45, 45, 30))
-    assert Scene(tracked, None, LIT_BY).real_object is BODY
-    assert Scene(tracked, None, LIT_BY, covers_marker=True).real_object is None
+    assert Scene(tracked, None, LIT_BY).real_object(has_cover=False) is BODY
+    assert Scene(tracked, None, LIT_BY, covers_marker=True).real_object(has_cover=True) is None
     assert tracked.marker is not None
     flat = replace(tracked, marker=replace(tracked.marker, body=None))
-    assert Scene(flat, None, LIT_BY, covers_marker=True).real_object is BODY
+    assert Scene(flat, None, LIT_BY, covers_marker=True).real_object(has_cover=True) is BODY
+
+
+def test_until_it_is_covered_it_is_a_real_object_with_the_models_shadow_on_it(make_renderer, stage) -> None:
+    renderer, tracked = make_renderer(FAST.render, CAMERA.size), seen(looking(0.45, 45, 30))
+    # Towards the sun, so that its shadow falls onto the cube, whose upright sides take it.
+    to_sun = direction_from_angles(*np.radians(SUN_DEG))
+    aside = Placement(shift_m=tuple(1.3 * EDGE_M * to_sun[:2] / np.hypot(*to_sun[:2])))
+    model = stage.placed(box((0.9 * EDGE_M,) * 3))
+    pictures = []
+    for covers in (False, True, True):
+        scene = Scene(tracked, model, LIT_BY, placement=aside, covers_marker=covers)
+        renderer.render(scene, waits=len(pictures) != 1)  # as a window does, while another thread makes the cover
+        pictures.append(renderer.read_bgr())
+    uncovered, being_covered, covered = pictures
+    np.testing.assert_array_equal(being_covered, uncovered)
+    assert (covered != uncovered).any(axis=2).mean() > 0.02
 
 
 def test_a_model_alone_is_cut_out_whole_in_the_place_of_the_covered_cube(make_renderer, stage) -> None:

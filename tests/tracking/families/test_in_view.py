@@ -84,6 +84,18 @@ def test_two_faces_of_the_cube_are_the_cube_and_one_is_a_marker() -> None:
     assert markers_in_view(from_above) == ("aruco:4x4_50:18",)
 
 
+@pytest.mark.parametrize(("distance_m", "tilt_deg", "azimuth_deg"), [(0.5, 20, 45), (0.5, 32, 45), (0.7, 26, 10)])
+def test_a_cube_is_one_from_high_above_too(distance_m: float, tilt_deg: float, azimuth_deg: float) -> None:
+    """There its sides are a few pixels high."""
+    seen = painted(CubeScene(CAMERA, looking(distance_m, tilt_deg, azimuth_deg), [sun(200, 40)]))
+    assert markers_in_view(seen) == ("cube",)
+
+
+@pytest.mark.parametrize("other", ["aruco:4x4_50:7", "aruco:4x4_50:23"])
+def test_a_flat_marker_with_a_number_of_the_cubes_is_no_cube_beside_others(other: str) -> None:
+    assert markers_in_view(table("aruco:4x4_50:18", other)) == ("aruco:4x4_50:18", other)
+
+
 def test_a_sentence_on_the_paper_cube_does_not_speak_of_the_model_of_that_name() -> None:
     assert in_view_text(("cube", "aruco:4x4_50:7")) == "the paper cube and aruco:4x4_50:7 are in view"
     assert in_words("cube+aruco:4x4_50:7") == "the paper cube with aruco:4x4_50:7 beside it"
