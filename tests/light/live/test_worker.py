@@ -158,9 +158,7 @@ def test_a_killed_process_is_reported_once_and_replaced(scene, without_marker):
 def test_a_process_killed_between_requests_is_replaced(worker, scene):
     (first,) = children()
     os.kill(first, signal.SIGKILL)
-    deadline = time.monotonic() + PATIENCE_S
-    while first in children() and time.monotonic() < deadline:
-        os.sched_yield()
+    wait_until_no_child_is_left()
     worker.request(scene.tracked)
     assert isinstance(worker.wait(PATIENCE_S), Estimated)
 

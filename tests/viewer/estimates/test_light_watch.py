@@ -84,12 +84,6 @@ def test_an_answer_is_sharpened_then_followed_and_a_changed_light_replaces_it(wa
     assert sharpened >= 2
     assert error_deg(watch, 200.0) < 10
 
-    answered = 0
-    while not watch.sharpening.is_settled and answered < 20:
-        seen, now_s = clock.now(table[200.0][0])
-        if watch.look_again(seen, now_s, None):
-            watch.wait(PATIENCE_S)
-            answered += 1
     assert watch.sharpening.is_settled
     before = watch.held.estimate
     seen, now_s = clock.now(table[200.0][0])
