@@ -7,7 +7,8 @@ import sys
 import pytest
 
 from tests.checkout import CHECKOUT
-from tests.e2e.conftest import PATIENCE_S, Screen, await_that
+from tests.e2e.conftest import Screen
+from tests.patience import PATIENCE_S, await_that
 
 pytestmark = pytest.mark.window
 CLIENT_MESSAGE = 33  # X.h

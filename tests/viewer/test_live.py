@@ -40,10 +40,9 @@ from ashe_live.viewer.stillness import HELD_AFTER_PICTURES
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.view_options import ShownParts
 from tests.light.painted_scenes import BOX, paint
+from tests.patience import PATIENCE_S
 from tests.viewer.scripted_session import ScriptedSession
 from tests.viewer.scripted_window import ScriptedWindow
-
-PATIENCE_S = 20.0
 
 
 class ScriptedPipeline:

@@ -22,8 +22,8 @@ from ashe_live.tracking.preset import BALANCED
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.estimates.light_watch import LightWatch
 from ashe_live.viewer.estimates.sharpening import EVERY_S, FUTILE
+from tests.patience import PATIENCE_S
 
-PATIENCE_S = 240.0
 SIDES_DEG = (-100, -97, -94, -91, -88)
 
 
