@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
+from ashe_live import cli
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
@@ -200,4 +201,6 @@ def _no_settings_of_the_tester(tmp_path_factory: pytest.TempPathFactory) -> Iter
     """Neither read nor written, also by the processes that tests start."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("config")))
+        if not cli._keeps_shaders():  # as the program itself does, of which most tests run what is within
+            patch.setenv("MESA_SHADER_CACHE_DISABLE", "true")
         yield

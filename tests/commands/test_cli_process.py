@@ -124,6 +124,15 @@ def test_warnings_that_are_errors_elsewhere_are_none_here(tmp_path: Path) -> Non
     assert (tmp_path / "shown.png").exists()
 
 
+def test_where_the_graphics_library_can_keep_nothing_it_says_nothing(tmp_path: Path) -> None:
+    """As of a user without a home of his own, in a container: Mesa had a line of its own beside every answer."""
+    (tmp_path / "dot.ppm").write_bytes(b"P6 1 1 255\n\0\0\0")
+    command = "unset MESA_SHADER_CACHE_DIR; $A play dot.ppm --headless --hfov 60 --quality fast --out shown.png"
+    done = run_in_shell(command, tmp_path, XDG_CACHE_HOME=str(tmp_path / "missing" / "cache"))
+    assert done.returncode == 3  # a picture without a marker
+    assert all(line.startswith("ashe-live: ") for line in done.stderr.splitlines()), done.stderr
+
+
 @pytest.mark.parametrize("flags", ["-X dev", "-b", "-bb -W error"])
 def test_python_s_own_flags_do_not_keep_it_from_starting_processes(flags: str, tmp_path: Path) -> None:
     """As of PYTHONDEVMODE, which is set for all of a person's Python programs."""
