@@ -8,6 +8,7 @@ import sys
 import warnings
 from collections.abc import Callable, Sequence
 from importlib import import_module
+from pathlib import Path
 
 from ashe_live.commands.flags.options import parsed, with_origin
 from ashe_live.errors import ExitStatus, UserError
@@ -34,6 +35,8 @@ def main() -> None:
     _open_streams()
     for name, value in ENVIRONMENT.items():
         os.environ.setdefault(name, value)
+    if not _keeps_shaders():
+        os.environ["MESA_SHADER_CACHE_DISABLE"] = "true"  # it says so on standard error, as if something were wrong
     os.environ.update(safe_search_paths())  # before OpenCV appends to it
     # As of OpenCV above. What is set for all of a person's Python programs is not meant for this one: pyrr cannot be
     # compiled where its warnings are errors.
@@ -59,6 +62,19 @@ def _open_streams() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # an encoding as poor as ASCII must not end the program
+
+
+def _keeps_shaders() -> bool:
+    """Whether Mesa's OpenGL has a folder for what it compiles: in the home that the system knows, whatever HOME is."""
+    named = os.environ.get("MESA_SHADER_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
+    try:
+        import pwd
+
+        folder = Path(named) if named else Path(pwd.getpwuid(os.getuid()).pw_dir) / ".cache"
+    except (ImportError, KeyError):  # Windows; a user whom the system does not know, for whom nothing is kept
+        return True
+    place = folder if os.access(folder, os.F_OK) else folder.parent
+    return os.access(place, os.W_OK | os.X_OK) and place.is_dir()
 
 
 def _warnings_of_flags() -> list[str]:

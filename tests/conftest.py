@@ -10,7 +10,9 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
 
+from ashe_live import cli
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
@@ -141,6 +143,14 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Film]:
     return shoot(tmp_path_factory.mktemp("film"), (320, 240), 12)
 
 
+# The same examples every time, so that no change is blamed for an old fault (tests/fuzz hunts for others), and as long
+# as each takes: where others crowd the machine, a call of a millisecond may need a second.
+settings.register_profile(
+    "suite", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+)
+settings.load_profile("suite")
+
+
 def pytest_configure() -> None:
     """One thread of OpenCV, as in the viewer and in the light's process: its others spin between calls."""
     cv2.setNumThreads(1)
@@ -191,4 +201,6 @@ def _no_settings_of_the_tester(tmp_path_factory: pytest.TempPathFactory) -> Iter
     """Neither read nor written, also by the processes that tests start."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("config")))
+        if not cli._keeps_shaders():  # as the program itself does, of which most tests run what is within
+            patch.setenv("MESA_SHADER_CACHE_DISABLE", "true")
         yield

@@ -13,10 +13,11 @@ import PIL.Image
 import pillow_heif
 import pytest
 
+from ashe_live.capture import photo as photo_module
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.isolated_photo import HEIF, read_isolated
 from ashe_live.capture.opening import open_source
-from ashe_live.capture.photo import LARGE_FILE_BYTES, PhotoSource
+from ashe_live.capture.photo import PhotoSource
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 from ashe_live.files import slow_pictures
@@ -185,18 +186,29 @@ def test_what_a_header_announces_is_not_read_to_the_end_of_a_huge_file(tmp_path:
         open_source(path)
 
 
-def test_a_large_file_is_read_isolated_to_the_same_picture(tmp_path: Path, rgb: Image) -> None:
+def test_a_large_file_is_read_isolated_to_the_same_picture(
+    tmp_path: Path, rgb: Image, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where that begins is a constant: 64 MB would be looked through for seconds."""
+    monkeypatch.setattr(photo_module, "LARGE_FILE_BYTES", 100_000)
+    isolated = []
+    monkeypatch.setattr(
+        photo_module, "read_isolated", lambda path, *how: isolated.append(path.name) or read_isolated(path, *how)
+    )
     plain = with_exif(tmp_path / "a.jpg", rgb, 26)
     large = tmp_path / "b.jpg"
     large.write_bytes(plain.read_bytes())
-    os.truncate(large, LARGE_FILE_BYTES + 1)
+    os.truncate(large, 100_001)
     with PhotoSource(large) as source:
         assert source.focal_px == pytest.approx(26 * 60 / 36)
-    np.testing.assert_array_equal(read(large), read(plain))
+        frame = source.read()
+    assert frame is not None
+    np.testing.assert_array_equal(frame.image_bgr, read(plain))
     large.write_bytes(plain.read_bytes()[:60])
-    os.truncate(large, LARGE_FILE_BYTES + 1)
+    os.truncate(large, 100_001)
     with pytest.raises(UserError, match=r"b\.jpg is damaged"):
         open_source(large)
+    assert isolated == ["b.jpg"] * 2
 
 
 def test_a_jpeg_of_very_many_scans_is_refused(tmp_path: Path) -> None:
@@ -381,8 +393,7 @@ def test_damage_of_which_the_decoder_gives_no_reason_is_said_without_one(tmp_pat
         open_source(path)
 
 
-@pytest.mark.parametrize("name", ["phone.heic", "phone.jpg", "phone.mov", "phone"])
-@pytest.mark.parametrize("orientation", [1, 6])
+@pytest.mark.parametrize(("name", "orientation"), [("phone.heic", 6), ("phone.jpg", 1), ("phone.mov", 6), ("phone", 1)])
 def test_photos_of_iphones_are_read_whatever_their_name(
     tmp_path: Path, rgb: Image, name: str, orientation: int
 ) -> None:

@@ -18,8 +18,7 @@ from ashe_live.capture.sources import SourceLost
 from ashe_live.capture.webcam import WebcamSource, open_opencv_capture
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
-
-PATIENCE_S = 10.0
+from tests.patience import PATIENCE_S
 
 
 class FakeCapture:

@@ -95,9 +95,8 @@ def test_what_lies_in_the_current_folder_is_not_imported(tmp_path: Path) -> None
     assert not canary.exists(), canary.read_text()
 
 
-@pytest.mark.parametrize("variable", ["PYTHONPATH", "PATH"])
 @pytest.mark.parametrize("entry", ["", "."])
-def test_nor_is_what_the_environment_looks_for_there(tmp_path: Path, variable: str, entry: str) -> None:
+def test_nor_is_what_the_environment_looks_for_there(tmp_path: Path, entry: str) -> None:
     """An empty entry means that folder, as `export PYTHONPATH=$PYTHONPATH:/lib` makes one; nor in child processes."""
     canary = tmp_path / "canary"
     for name in ("platformdirs", "numpy", "argparse", "tomllib", "multiprocessing", "pickle", "signal", "ctypes"):
@@ -107,7 +106,7 @@ def test_nor_is_what_the_environment_looks_for_there(tmp_path: Path, variable: s
         (tmp_path / name).chmod(0o755)
     (tmp_path / "triangle.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     (tmp_path / "dot.ppm").write_bytes(b"P6 1 1 255\n\0\0\0")
-    folders = {variable: f"{entry}:{os.environ.get(variable, os.devnull)}"}
+    folders = {name: f"{entry}:{os.environ.get(name, os.devnull)}" for name in ("PYTHONPATH", "PATH")}
     shown = run_in_shell("$A play dot.ppm --model triangle.obj --headless --hfov 60", tmp_path, **folders)
     assert shown.returncode == 3, shown.stderr  # a picture without a marker
     assert "Traceback" not in run_in_shell("$A doctor", tmp_path, **folders).stderr
@@ -123,6 +122,15 @@ def test_warnings_that_are_errors_elsewhere_are_none_here(tmp_path: Path) -> Non
     assert "Traceback" not in done.stderr
     assert done.returncode == 3  # a picture without a marker
     assert (tmp_path / "shown.png").exists()
+
+
+def test_where_the_graphics_library_can_keep_nothing_it_says_nothing(tmp_path: Path) -> None:
+    """As of a user without a home of his own, in a container: Mesa had a line of its own beside every answer."""
+    (tmp_path / "dot.ppm").write_bytes(b"P6 1 1 255\n\0\0\0")
+    command = "unset MESA_SHADER_CACHE_DIR; $A play dot.ppm --headless --hfov 60 --quality fast --out shown.png"
+    done = run_in_shell(command, tmp_path, XDG_CACHE_HOME=str(tmp_path / "missing" / "cache"))
+    assert done.returncode == 3  # a picture without a marker
+    assert all(line.startswith("ashe-live: ") for line in done.stderr.splitlines()), done.stderr
 
 
 @pytest.mark.parametrize("flags", ["-X dev", "-b", "-bb -W error"])

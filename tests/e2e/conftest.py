@@ -4,7 +4,6 @@ import os
 import shutil
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,19 +15,10 @@ from PIL import ImageGrab
 
 from tests.checkout import CHECKOUT
 from tests.e2e.signals import ignore_none
+from tests.patience import PATIENCE_S, await_that
 
 QUICK_VIEWER = Path(__file__).with_name("quick_viewer.py")
 SCREEN = "1280x960x24"
-# Software rendering on a machine that others crowd sixfold; nothing waits this long when all is well.
-PATIENCE_S = 240.0
-POLL_S = 0.02
-
-
-def await_that(condition: Callable[[], object], what: str) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline, f"waited in vain for {what}"
-        time.sleep(POLL_S)
 
 
 class Screen:

@@ -6,7 +6,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -16,8 +15,8 @@ import pytest
 from ashe_live.capture.clips.clip import ClipSource
 from tests.checkout import CHECKOUT
 from tests.e2e.signals import ignore_none
+from tests.patience import PATIENCE_S, await_that
 
-PATIENCE_S = 60.0
 # Enough for two fragments of two seconds: they are written as soon as they are whole.
 BYTES_OF_FRAGMENTS = 40_000
 
@@ -46,11 +45,11 @@ class Endless:
             )
 
     def await_fragments(self) -> None:
-        deadline = time.monotonic() + PATIENCE_S
-        while sum(path.stat().st_size for path in self.partials) < BYTES_OF_FRAGMENTS:
+        def are_there() -> bool:
             assert self.process.poll() is None, self.err.read_text()
-            assert time.monotonic() < deadline, "waited in vain for a recording"
-            time.sleep(0.01)
+            return sum(path.stat().st_size for path in self.partials) >= BYTES_OF_FRAGMENTS
+
+        await_that(are_there, "a recording")
 
     def wait(self) -> int:
         return self.process.wait(PATIENCE_S)

@@ -10,7 +10,8 @@ import pytest
 from ashe_live.core.contract import SNAPSHOT_KEYWORD
 from ashe_live.viewer.hands.hand import SCALE_STEP
 from tests.conftest import Film
-from tests.e2e.conftest import Running, await_that, player
+from tests.e2e.conftest import Running, player
+from tests.patience import await_that
 
 
 def scale(running: Running) -> float:

@@ -19,7 +19,8 @@ from ashe_live.viewer.windows.glfw_library import variant
 from ashe_live.viewer.windows.glfw_window import GlfwWindow
 from ashe_live.viewer.windows.window import Window
 from tests.checkout import CHECKOUT
-from tests.e2e.conftest import PATIENCE_S, Screen
+from tests.e2e.conftest import Screen
+from tests.patience import PATIENCE_S
 from tests.viewer.scripted_window import ScriptedWindow
 
 SIZE = (64, 48)

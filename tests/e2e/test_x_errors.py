@@ -12,7 +12,8 @@ from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.errors import ExitStatus
 from ashe_live.viewer.windows.x_errors import DISPLAY_LOST
 from tests.checkout import CHECKOUT
-from tests.e2e.conftest import PATIENCE_S, QUICK_VIEWER, Running, Screen, await_that, player, virtual_screen
+from tests.e2e.conftest import QUICK_VIEWER, Running, Screen, player, virtual_screen
+from tests.patience import PATIENCE_S, await_that
 
 pytestmark = pytest.mark.window
 CLIENT_MESSAGE = 33  # X.h

@@ -10,6 +10,7 @@ from ashe_live import cli
 from ashe_live.commands import doctor
 from ashe_live.files import kept as kept_module
 from ashe_live.files.kept import KeptObject, configuration_file
+from tests.patience import PATIENCE_S
 
 
 def test_what_was_written_is_read_back_and_replaced(tmp_path: Path) -> None:
@@ -38,7 +39,7 @@ def test_of_two_windows_that_change_it_at_once_both_are_kept(tmp_path: Path, mon
     with kept.alone():
         content = kept.read()
         other.start()
-        assert goes_on.wait(60)
+        assert goes_on.wait(PATIENCE_S)
         kept.write({**content, "own": 1})
     other.join()
     assert kept.read() == {"own": 1, "other": 1}

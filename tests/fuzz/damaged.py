@@ -8,20 +8,19 @@ FUZZ_FILES=12000 pytest tests/fuzz/test_damaged_models.py tests/fuzz/test_damage
 import os
 from collections.abc import Callable
 
-from hypothesis import HealthCheck, settings
+from hypothesis import settings
 
 from ashe_live.errors import UserError
 
 HUNTED = int(os.environ.get("FUZZ_FILES", "0"))
 LONGEST_MS = 20_000  # for one file, where very many are tried
-IGNORED = [HealthCheck.too_slow, HealthCheck.data_too_large]
 
 
 def files(few: int) -> settings:
-    """`few` are tried in every run of the tests: the same ones, so that no change is blamed for an old fault."""
+    """`few` are tried in every run of the tests."""
     if HUNTED:
-        return settings(max_examples=HUNTED, deadline=LONGEST_MS, database=None, suppress_health_check=IGNORED)
-    return settings(max_examples=few, derandomize=True, deadline=None, suppress_health_check=IGNORED)
+        return settings(max_examples=HUNTED, deadline=LONGEST_MS, derandomize=False, database=None)
+    return settings(max_examples=few)
 
 
 def is_refused(read: Callable[[], object]) -> bool:

@@ -20,8 +20,8 @@ from ashe_live.process import awake, isolated
 from ashe_live.process.children import Limits, safe_module_path, started
 from ashe_live.process.isolated import NoAnswerError, isolated_call
 from tests.checkout import CHECKOUT
+from tests.patience import PATIENCE_S
 
-PATIENCE_S = 60.0
 FREE = Limits(niceness=0)
 POSIX_ONLY = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")
 # As it is installed: with `-m`, or `-c`, Python itself looks into the current folder first.

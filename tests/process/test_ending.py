@@ -6,6 +6,7 @@ import sys
 import pytest
 
 from tests.checkout import CHECKOUT
+from tests.patience import PATIENCE_S
 
 # A tracker that takes longer than the viewer waits for it: nearly all of the time is spent in OpenCV, without the lock.
 IN_OPENCV = """
@@ -47,7 +48,7 @@ end_process(3)
 @pytest.mark.parametrize("before", ["", IN_OPENCV, IN_A_POOL], ids=["alone", "in a library", "in a pool"])
 def test_a_thread_at_work_neither_changes_the_status_nor_is_waited_for(before: str) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", before + END], cwd=CHECKOUT, capture_output=True, text=True, timeout=60
+        [sys.executable, "-c", before + END], cwd=CHECKOUT, capture_output=True, text=True, timeout=PATIENCE_S
     )
     assert (done.returncode, done.stdout, done.stderr) == (3, "ended in order\n", "")
 

@@ -6,6 +6,7 @@ import pytest
 
 from ashe_live.process import mailbox
 from ashe_live.process.mailbox import Closed, LatestMailbox
+from tests.patience import PATIENCE_S
 
 
 def test_the_latest_value_replaces_the_earlier() -> None:
@@ -19,7 +20,7 @@ def test_the_latest_value_replaces_the_earlier() -> None:
 @pytest.mark.parametrize("closes", [False, True])
 def test_a_waiting_taker_is_woken(monkeypatch: pytest.MonkeyPatch, closes: bool) -> None:
     """At once, and not when it next looks at the clock."""
-    monkeypatch.setattr(mailbox, "LONGEST_STEP_S", 60.0)
+    monkeypatch.setattr(mailbox, "LONGEST_STEP_S", 4 * PATIENCE_S)
     box, waits, taken = LatestMailbox[str](), threading.Event(), list[str | None]()
     wait = box._changed.wait
 
@@ -29,19 +30,19 @@ def test_a_waiting_taker_is_woken(monkeypatch: pytest.MonkeyPatch, closes: bool)
 
     def take() -> None:
         try:
-            taken.append(box.take(60))
+            taken.append(box.take(4 * PATIENCE_S))
         except Closed:
             taken.append("closed")
 
     monkeypatch.setattr(box._changed, "wait", noted)
     taker = threading.Thread(target=take, daemon=True)
     taker.start()
-    assert waits.wait(10)
+    assert waits.wait(PATIENCE_S)
     if closes:
         box.close()
     else:
         box.put("frame")
-    taker.join(10)
+    taker.join(PATIENCE_S)
     assert taken == ["closed" if closes else "frame"]
 
 

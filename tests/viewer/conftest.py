@@ -275,8 +275,6 @@ class FakeRenderer:
 
     def finish(self) -> None: ...
 
-    def present(self, _target: object) -> None: ...
-
     def resize(self, size: tuple[int, int]) -> None:
         self.size = size
 

@@ -40,10 +40,9 @@ from ashe_live.viewer.stillness import HELD_AFTER_PICTURES
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.view_options import ShownParts
 from tests.light.painted_scenes import BOX, paint
+from tests.patience import PATIENCE_S
 from tests.viewer.scripted_session import ScriptedSession
 from tests.viewer.scripted_window import ScriptedWindow
-
-PATIENCE_S = 20.0
 
 
 class ScriptedPipeline:
@@ -206,11 +205,8 @@ def test_a_bug_in_the_capture_thread_is_not_hidden(stage):
 
 def test_the_estimate_is_printed(stage, capfd):
     stage.put(0)
-
-    def answer() -> None:
-        stage.session.worker.answer = stage.fakes.estimate()
-
-    stage.run(Command.ESTIMATE, answer, None)
+    stage.session.worker.answer = stage.fakes.estimate()
+    stage.run(Command.ESTIMATE, None, None)
     assert capfd.readouterr().out == "light: azimuth 0°, elevation 45° ± 2.9°\n"
 
 
@@ -497,22 +493,29 @@ def awaited(stage, condition, then: Command | None = None):
     return step
 
 
+def sun_awaited(stage):
+    return awaited(stage, lambda: stage.window.title == "ashe-live: sun.mp4")
+
+
+def settled_awaited(stage, counts: list[int]):
+    """Until nothing is drawn for five pictures; `counts` has how many scenes were, picture by picture."""
+
+    def is_settled() -> bool:
+        counts.append(len(stage.renderer.scenes))
+        return counts[-5:].count(counts[-1]) == 5
+
+    return awaited(stage, is_settled)
+
+
 def test_a_dropped_clip_replaces_source_tracker_and_light_and_ends_the_recording(stage, tmp_path, capfd):
     stage.put(5)
     stage.dropped.frames.put(stage.fakes.tracked(0))
-
-    def answer() -> None:
-        stage.session.worker.answer = stage.fakes.estimate()
-
-    def is_there() -> bool:
-        return stage.window.title == "ashe-live: sun.mp4"
-
+    stage.session.worker.answer = stage.fakes.estimate()
     viewer = stage.run(
-        *(Command.ESTIMATE, answer, None, Command.RECORD, None, None, None, dropped("/far/sun.mp4")),
-        awaited(stage, is_there),
+        *(Command.ESTIMATE, None, None, Command.RECORD, None, None, None, dropped("/far/sun.mp4")),
+        sun_awaited(stage),
         None,
     )
-    assert is_there()
     assert stage.pipeline.frames.is_closed
     assert stage.session.tracked.frame.index == 0
     assert stage.session.estimate is None
@@ -530,7 +533,7 @@ def test_views_that_a_dropped_clip_has_shown_by_then_stay(stage):
     first = paint(BOX).tracked
     assert stage.dropped.key_views.add(first)
     stage.dropped.frames.put(first)
-    stage.run(dropped("/far/sun.mp4"), awaited(stage, lambda: stage.window.title == "ashe-live: sun.mp4"), None)
+    stage.run(dropped("/far/sun.mp4"), sun_awaited(stage), None)
     assert stage.session.watch.key_views is stage.dropped.key_views
     assert [view.frame.index for view in stage.dropped.key_views.views] == [first.frame.index]
 
@@ -575,12 +578,7 @@ def test_of_several_dropped_files_no_model_is_lost_and_the_first_clip_is_opened(
     assert "3 models joined" in stage.session.notice.text
     stage.run(Command.NEXT_MODEL, None)
     assert stage.session.table.model_name == "table.glb"
-
-    def is_there() -> bool:
-        return stage.window.title == "ashe-live: sun.mp4"
-
-    stage.run(dropped("/far/sun.mp4", "/far/moon.mp4"), awaited(stage, is_there), None)
-    assert is_there()
+    stage.run(dropped("/far/sun.mp4", "/far/moon.mp4"), sun_awaited(stage), None)
     assert "of 2 clips and photos the first" in stage.session.notice.text
 
 
@@ -750,31 +748,18 @@ def test_the_light_is_saved_whatever_else_has_its_name(stage, tmp_path, monkeypa
 
 
 def test_what_does_not_change_is_not_drawn_again(stage):
-    counts = []
-
-    def is_settled() -> bool:
-        counts.append(len(stage.renderer.scenes))
-        return counts[-5:].count(counts[-1]) == 5
-
+    counts: list[int] = []
     stage.put(0)
-    stage.run(awaited(stage, is_settled), lambda: stage.put(1), None, None, None)
+    stage.run(settled_awaited(stage, counts), lambda: stage.put(1), None, None, None)
     assert counts[-1] > HELD_AFTER_PICTURES
     assert len(stage.renderer.scenes) > counts[-1]
 
 
 def test_only_pictures_that_are_drawn_tell_which_quality_the_machine_can_afford(stage, monkeypatch):
-    drawn, counts = [], []
-
-    def adapt(_choice, _pipeline, _begun_s) -> None:
-        drawn.append(len(stage.renderer.scenes))
-
-    def is_settled() -> bool:
-        counts.append(len(stage.renderer.scenes))
-        return counts[-5:].count(counts[-1]) == 5
-
-    monkeypatch.setattr(QualityChoice, "adapt", adapt)
+    drawn: list[int] = []
+    monkeypatch.setattr(QualityChoice, "adapt", lambda *_: drawn.append(len(stage.renderer.scenes)))
     stage.put(0)
-    stage.run(awaited(stage, is_settled), None, quality="auto")
+    stage.run(settled_awaited(stage, []), None, quality="auto")
     assert len(drawn) >= HELD_AFTER_PICTURES
     assert len(set(drawn)) == len(drawn)
 

@@ -10,8 +10,7 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.viewer.sources import capture_loop
 from ashe_live.viewer.sources import pipeline as pipeline_module
 from ashe_live.viewer.sources.pipeline import Pipeline
-
-PATIENCE_S = 20.0
+from tests.patience import PATIENCE_S
 
 
 class NotedKeyViews:

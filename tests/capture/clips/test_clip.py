@@ -12,6 +12,7 @@ import pytest
 from av.stream import Disposition
 from av.video.frame import VideoFrame
 
+from ashe_live.capture import container as container_module
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.container import DECODED
 from ashe_live.capture.opening import open_source
@@ -175,8 +176,11 @@ def test_damage_in_the_middle_does_not_end_the_clip(damaged_clip: Path) -> None:
     ("container", "codec"),
     [("avi", "mpeg4"), ("matroska", "mpeg4"), ("mpegts", "mpeg2video"), ("flv", "flv"), ("mjpeg", "mjpeg")],
 )
-def test_what_follows_a_clip_is_not_searched_to_the_end(tmp_path: Path, container: str, codec: str) -> None:
+def test_what_follows_a_clip_is_not_searched_to_the_end(
+    tmp_path: Path, container: str, codec: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """1 TB of holes: FFmpeg would look for hours whether a picture is there."""
+    monkeypatch.setattr(container_module, "MOST_BYTES_TO_A_PACKET", 5_000_000)
     path = tmp_path / "clip"
     with av.open(str(path), "w", format=container) as written:
         stream = written.add_stream(codec, rate=30)

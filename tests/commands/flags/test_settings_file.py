@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ashe_live.commands.flags.settings_file import SETTINGS, flags_of, read_settings
@@ -76,7 +76,6 @@ lines = st.one_of(
 )
 
 
-@settings(max_examples=100, derandomize=True, deadline=None)
 @given(st.lists(lines, max_size=3).map(b"\n".join))
 def test_whatever_is_in_the_file_it_gives_settings_or_a_user_error(path, content):
     path.write_bytes(content)

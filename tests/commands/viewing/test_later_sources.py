@@ -20,6 +20,7 @@ from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
 from ashe_live.tracking.families.markers import parse_marker
 from tests.painted_cubes import CAMERA, CubeScene, looking, painted, sun
+from tests.patience import PATIENCE_S
 from tests.viewer.conftest import FakeSource
 
 PICTURE = np.full((48, 64, 3), 200, np.uint8)
@@ -97,7 +98,7 @@ def test_that_there_is_no_other_is_said(monkeypatch: pytest.MonkeyPatch, opened:
 def test_a_file_is_played_with_the_flags_of_the_start(tmp_path: Path) -> None:
     PIL.Image.fromarray(PICTURE).save(tmp_path / "a.png")
     pipeline = LaterSources(options_of("webcam", "--marker", "aruco:4x4_50:7", "--hfov", "70"))(tmp_path / "a.png")
-    tracked = pipeline.frames.take(20.0)
+    tracked = pipeline.frames.take(PATIENCE_S)
     pipeline.close()
     assert pipeline.marker == "aruco:4x4_50:7"
     assert tracked is not None

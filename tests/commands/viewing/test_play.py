@@ -215,9 +215,9 @@ def test_a_photo_is_one_frame(run, files, tmp_path):
 
 def test_a_truncated_clip_is_said_in_one_line(run, files):
     outcome = run("play", files["truncated"], *HEADLESS)
-    assert len(outcome.err) == 1
-    assert "truncated" in outcome.err[0]
-    assert outcome.status in (0, 2)
+    (line,) = outcome.err
+    assert "truncated" in line
+    assert outcome.status == 0
 
 
 def test_picture_and_light_are_kept_though_the_report_finds_no_room(run, files, tmp_path, monkeypatch):
@@ -244,7 +244,6 @@ def subprocess_run(*arguments: str | Path, **variables: str) -> subprocess.Compl
         env={**variables_left, "PYTHONPATH": str(CHECKOUT), **variables},
         capture_output=True,
         text=True,
-        timeout=120,
     )
 
 

@@ -73,7 +73,7 @@ class Campaign:
         @settings(
             max_examples=count,
             phases=[Phase.generate, Phase.shrink],
-            deadline=None,
+            derandomize=False,
             database=None,
             print_blob=False,
             report_multiple_bugs=False,

@@ -1,8 +1,8 @@
 """A process that has loaded the program already and forks for each start of it: a tenth of what a fresh start costs.
 
-Run as a script with the number of a connected socket and the program's script; a line of JSON asks, a line of JSON
-answers. It imports nothing of the tests, and is what all started processes descend from: whoever loses its parent
-becomes its child, so that nobody survives unseen.
+Run as a script with the number of a connected socket; a line of JSON asks, a line of JSON answers. It imports nothing
+of the tests, and is what all started processes descend from: whoever loses its parent becomes its child, so that nobody
+survives unseen.
 """
 
 import contextlib
@@ -25,7 +25,6 @@ from typing import Any
 from started import become
 
 PR_SET_CHILD_SUBREAPER = 36
-SURVIVES_FOR_S = 3.0  # children notice that their parent has ended; under load that takes a while
 WATCH_EVERY_S = 0.25
 COULD_NOT_PREPARE = 97
 STOPPED_AT_BYTES = 4 << 30  # twice of what is allowed: before the machine suffers
@@ -46,8 +45,8 @@ def load_program() -> None:
 class Server:
     """Runs one case at a time."""
 
-    def __init__(self, connection: socket.socket, script: str) -> None:
-        self._connection, self._script = connection, script
+    def __init__(self, connection: socket.socket) -> None:
+        self._connection = connection
         self._listener = socket.create_server(("127.0.0.1", 0), backlog=64)
         self._listener.setblocking(False)
         self._connections = 0
@@ -102,7 +101,7 @@ class Server:
                     for each in (*_descendants(pid), pid):
                         with contextlib.suppress(ProcessLookupError):
                             os.kill(each, signal.SIGKILL)
-        survivors = _survivors()
+        survivors = _survivors(asked["survives_for_s"])
         self._hang_up()
         if master is not None:
             _drain(master, shown)
@@ -121,7 +120,7 @@ class Server:
         pid = os.fork()
         if pid == 0:
             try:
-                become(start, self._script, terminal)
+                become(start, terminal)
             except BaseException:
                 with contextlib.suppress(OSError):
                     Path(f"{start['records']}.harness").write_text(traceback.format_exc())
@@ -171,9 +170,9 @@ def _drain(master: int, shown: bytearray) -> None:
             shown += os.read(master, 65536)
 
 
-def _survivors() -> list[str]:
-    """Command lines of those that are still there a while after all ended; they are ended then."""
-    deadline = time.monotonic() + SURVIVES_FOR_S
+def _survivors(for_s: float) -> list[str]:
+    """Command lines of those that are still there so long after all ended; they are ended then."""
+    deadline = time.monotonic() + for_s
     while time.monotonic() < deadline:
         try:
             if os.waitpid(-1, os.WNOHANG) == (0, 0):
@@ -213,4 +212,4 @@ def _resident(pid: int) -> int:
 if __name__ == "__main__":
     del sys.path[0]  # this folder: nobody is to import from it
     load_program()
-    Server(socket.socket(fileno=int(sys.argv[1])), sys.argv[2]).serve()
+    Server(socket.socket(fileno=int(sys.argv[1]))).serve()

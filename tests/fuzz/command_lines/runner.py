@@ -21,8 +21,9 @@ from tests.fuzz.command_lines.sandbox import Entry, Sandbox
 
 SCRIPT = Path(sys.executable).with_name("ashe-live")
 SERVER = Path(__file__).with_name("fork_server.py")
-# Far beyond what any case needs; a crowded machine waits for its processor.
-LONGEST_S = 60.0
+# Far beyond what any case needs, and what a child needs to notice that its parent has ended: on a machine that others
+# crowd tenfold, some cases took a minute.
+LONGEST_S, SURVIVES_FOR_S = 240.0, 20.0
 READ_BYTES = 4 << 20
 
 
@@ -61,14 +62,13 @@ class Outcome:
 class Runner:
     """A fork server and a folder for sandboxes; a context manager."""
 
-    def __init__(self, materials: Mapping[str, Path], script: Path = SCRIPT, longest_s: float = LONGEST_S) -> None:
-        """`script` is what is fuzzed; after `longest_s` it counts as hanging."""
-        self._materials, self._longest_s = materials, longest_s
+    def __init__(self, materials: Mapping[str, Path]) -> None:
+        self._materials = materials
         self._folder = Path(tempfile.mkdtemp(prefix="ashe-live-fuzz-"))
         self._numbers = count()
         ours, theirs = socket.socketpair()
         self._server = subprocess.Popen(
-            [sys.executable, str(SERVER), str(theirs.fileno()), str(script)],
+            [sys.executable, str(SERVER), str(theirs.fileno())],
             pass_fds=[theirs.fileno()],
             cwd=self._folder,
             env={**os.environ, "PYTHONPATH": str(CHECKOUT)},
@@ -80,19 +80,29 @@ class Runner:
         ours.close()
         self.port: int = json.loads(self._lines.readline())["port"]
 
-    def run(self, case: Case, sandbox: Sandbox | None = None) -> Outcome:
+    def run(
+        self,
+        case: Case,
+        sandbox: Sandbox | None = None,
+        script: Path = SCRIPT,
+        longest_s: float = LONGEST_S,
+        survives_for_s: float = SURVIVES_FOR_S,
+    ) -> Outcome:
         """In a new sandbox, or in one that an earlier case has left.
 
-        Raises RuntimeError when the harness itself fails.
+        `script` is what is started. After `longest_s` it counts as hanging, and what is still there `survives_for_s`
+        after its end as a survivor. Raises RuntimeError when the harness itself fails.
         """
         if sandbox is None:
             sandbox = Sandbox(self._folder / str(next(self._numbers)), case, self._materials, self.port)
-        starts = [self._start(case, sandbox, 0, 0.0)]
+        starts = [self._start(case, sandbox, script, 0, 0.0)]
         if case.second_after_ms is not None:
-            starts.append(self._start(case, sandbox, 1, case.second_after_ms / 1000))
+            starts.append(self._start(case, sandbox, script, 1, case.second_after_ms / 1000))
         before = sandbox.snapshot()
         signals = [(after_ms / 1000, number, group) for after_ms, number, group in case.signals]
-        answer = self._ask({"starts": starts, "signals": signals, "within_s": self._longest_s})
+        answer = self._ask(
+            {"starts": starts, "signals": signals, "within_s": longest_s, "survives_for_s": survives_for_s}
+        )
         sandbox.permit_all()
         for record in sandbox.records.glob("*.harness"):
             raise RuntimeError(record.read_text())
@@ -121,7 +131,7 @@ class Runner:
             raise RuntimeError(f"the fork server ended with status {self._server.wait()}")
         return json.loads(answer)
 
-    def _start(self, case: Case, sandbox: Sandbox, number: int, after_s: float) -> dict[str, Any]:
+    def _start(self, case: Case, sandbox: Sandbox, script: Path, number: int, after_s: float) -> dict[str, Any]:
         folder = sandbox.base / sandbox.filled(case.folder)
         if case.folder == "deleted":
             folder = sandbox.base / f"deleted-{number}"
@@ -139,6 +149,7 @@ class Runner:
             if value is not None:
                 environment[name] = sandbox.filled(value)
         return {
+            "script": str(script),
             "argv": [sandbox.filled(argument) for argument in case.arguments],
             "folder": str(folder),
             "is_deleted": case.folder == "deleted",

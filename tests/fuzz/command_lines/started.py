@@ -78,7 +78,7 @@ def python_streams(environment: dict[str, str]) -> None:
         setattr(sys, f"__{name}__", stream)
 
 
-def become(start: dict[str, Any], script: str, terminal: str | None) -> NoReturn:
+def become(start: dict[str, Any], terminal: str | None) -> NoReturn:
     """Takes on folder, streams, permissions, limits and environment, runs the program and ends as Python does."""
     os.setsid()
     streams = [
@@ -99,16 +99,16 @@ def become(start: dict[str, Any], script: str, terminal: str | None) -> NoReturn
     argv, environment = start["argv"], start["environment"]
     if start["how"] != "forked":
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
-        command = [script] if start["how"] == "script" else [sys.executable, "-m", "ashe_live"]
+        command = [start["script"]] if start["how"] == "script" else [sys.executable, "-m", "ashe_live"]
         os.execve(command[0], [*command, *argv], environment)
     os.environ.clear()
     os.environ.update(environment)
     python_streams(environment)
-    sys.argv = [script, *argv]
-    sys.path[0:0] = [str(Path(script).parent)]
+    sys.argv = [start["script"], *argv]
+    sys.path[0:0] = [str(Path(start["script"]).parent)]
     _forget_folder()
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    os._exit(_status_of(script))
+    os._exit(_status_of(start["script"]))
 
 
 def _forget_folder() -> None:

@@ -52,7 +52,7 @@ def test_shares_go_from_one_end_of_an_edge_to_the_other_from_x_to_y(hull: Float)
     assert places.along_edge.max() < 1
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40)
 @given(st.integers(3, 60), st.floats(2, 200), st.booleans())
 def test_any_polygon_has_places_on_it(sides: int, scale: float, turns_back: bool) -> None:
     hull = scale * (polygon(sides) - CENTRE)

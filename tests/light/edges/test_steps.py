@@ -147,7 +147,7 @@ def test_several_outlines_are_measured_as_each_is_alone() -> None:
         np.testing.assert_allclose(together.offset_px[i], steps_of(here, hull).offset_px[0], atol=1e-3)
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40)
 @given(st.integers(0, 2**31), st.floats(0, 1), st.floats(1, 12), st.floats(-300, 300))
 def test_no_picture_makes_numbers_that_are_none(seed: int, level: float, reach_px: float, away_px: float) -> None:
     noise = np.random.default_rng(seed).uniform(0, level, (*SHAPE, 3)).astype(np.float32)

@@ -166,7 +166,7 @@ def test_of_bodies_that_look_the_same_the_simpler_one_is_chosen() -> None:
     assert found.placed.lit.body.family.name == "frustum"
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40)
 @given(st.integers(0, 2**31), st.floats(1e-3, 30.0))
 def test_from_anywhere_the_cost_never_rises_and_no_number_is_none(seed: int, scale: float) -> None:
     here = painted_region(BOX)

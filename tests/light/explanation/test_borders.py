@@ -136,7 +136,7 @@ def test_several_outlines_are_worked_on_as_each_is_alone() -> None:
         np.testing.assert_array_equal(together.clarity[i], alone.clarity)
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=30)
 @given(st.floats(0.5, 60), st.floats(0, 1e6), st.integers(0, 1000))
 def test_no_picture_makes_numbers_that_are_none(reach_px: float, cost: float, seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -37,8 +37,7 @@ def test_a_wider_span_is_surer() -> None:
 
 def test_without_a_shadow_there_is_no_light() -> None:
     hull = carved(views_of(ODD, direction(200, 89.9), headings(60, 4)), Box.around(np.concatenate(ODD), 0.35))
-    found = light_of_hull(hull, TO_LIGHT)
-    assert found is None or angle_between(found.to_light_marker, direction(200, 89.9)) < math.radians(25)
+    assert light_of_hull(hull, TO_LIGHT) is None
 
 
 def supports(points: Float, normals: Float) -> Float:

@@ -5,7 +5,6 @@ import os
 import signal
 import sys
 import threading
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -39,8 +38,7 @@ from ashe_live.process import awake
 from tests.light.painted_scenes import BOX
 from tests.light.painted_scenes import paint as painted
 from tests.light.synthetic_masks import camera_towards
-
-PATIENCE_S = 60.0
+from tests.patience import PATIENCE_S, await_that
 
 
 def quick(preset: ProxyPreset = BALANCED) -> PaperEstimator:  # noqa: ARG001
@@ -57,10 +55,7 @@ def children() -> set[int]:
 
 def wait_until_no_child_is_left() -> None:
     """A killed process is there until the system has ended it, which takes a busy machine a while."""
-    deadline = time.monotonic() + PATIENCE_S
-    while children() and time.monotonic() < deadline:
-        os.sched_yield()
-    assert not children()
+    await_that(lambda: not children(), "the end of a process")
 
 
 @pytest.fixture
@@ -158,9 +153,7 @@ def test_a_killed_process_is_reported_once_and_replaced(scene, without_marker):
 def test_a_process_killed_between_requests_is_replaced(worker, scene):
     (first,) = children()
     os.kill(first, signal.SIGKILL)
-    deadline = time.monotonic() + PATIENCE_S
-    while first in children() and time.monotonic() < deadline:
-        os.sched_yield()
+    wait_until_no_child_is_left()
     worker.request(scene.tracked)
     assert isinstance(worker.wait(PATIENCE_S), Estimated)
 

@@ -44,10 +44,8 @@ def page_in(tracked: TrackedFrame) -> PageAround | None:
 def test_a_page_is_found_whatever_stands_on_it_and_around(ground: str, at: tuple[float, float]) -> None:
     page = page_in(paint(Caster(at=at), ground=ground, azimuth_deg=30, T_cam_marker=ABOVE, page_m=A4).tracked)
     assert page is not None
-    ends, seen, true = np.array(page.ends), np.array(page.is_seen), np.array(A4) / SIDE_M
-    assert seen.sum() >= 3
-    np.testing.assert_allclose(ends[seen], true[seen], atol=0.03)
-    assert (ends[~seen] < true[~seen] + 0.1).all()
+    assert all(page.is_seen)
+    np.testing.assert_allclose(page.ends, np.array(A4) / SIDE_M, atol=0.03)
 
 
 @pytest.mark.parametrize("height_m", [0.07, 0.12])
@@ -117,10 +115,8 @@ def test_the_border_of_a_page_is_ground_where_a_shadow_crosses_it() -> None:
     assert (np.abs(view.image_bgr[border & in_shadow] - dark).max(axis=-1) < 20).mean() > 0.9
 
 
-def test_every_picture_has_a_page_or_none() -> None:
-    for tracked in noise_frames(20):
-        page = page_in(tracked)
-        assert page is None or np.isfinite((*page.ends, *page.ground_over_paper)).all()
+def test_noise_shows_no_page() -> None:
+    assert [page_in(tracked) for tracked in noise_frames(20)] == [None] * 20
 
 
 @pytest.mark.parametrize("marker_mm", [60, 100, 150])

@@ -90,7 +90,5 @@ def test_what_is_dark_farther_out_is_no_rim() -> None:
     assert screen_in(replace(tracked, frame=replace(tracked.frame, image_bgr=image))) is None
 
 
-def test_every_picture_has_a_screen_or_none() -> None:
-    for tracked in noise_frames(20):
-        screen = screen_in(tracked)
-        assert screen is None or np.isfinite(ends_of(screen)).all()
+def test_noise_shows_no_screen() -> None:
+    assert [screen_in(tracked) for tracked in noise_frames(20)] == [None] * 20

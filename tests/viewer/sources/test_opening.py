@@ -17,8 +17,7 @@ from ashe_live.viewer.sources import opening as opening_module
 from ashe_live.viewer.sources.opening import Opening, of_each_kind, paths_in
 from ashe_live.viewer.sources.pipeline import Pipeline
 from ashe_live.viewer.windows.glfw_window import GlfwWindow
-
-PATIENCE_S = 20.0
+from tests.patience import PATIENCE_S
 
 
 @pytest.fixture
@@ -38,8 +37,7 @@ def opening(fakes):
 
 
 def awaited(opening: Opening):
-    with_future = opening._coming
-    with_future.exception(PATIENCE_S)
+    opening._coming.exception(PATIENCE_S)
     return opening.take()
 
 

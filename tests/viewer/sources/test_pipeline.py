@@ -1,7 +1,6 @@
 """The capture thread: pace, end, pause, restart, loss and shutdown. Everything is awaited, nothing slept for."""
 
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from types import SimpleNamespace
@@ -19,16 +18,9 @@ from ashe_live.viewer.sources import pipeline as pipeline_module
 from ashe_live.viewer.sources.capture_loop import PHOTO_FPS, CaptureLoop
 from ashe_live.viewer.sources.pace import FALLEN_BEHIND_S
 from ashe_live.viewer.sources.pipeline import Pipeline
+from tests.patience import PATIENCE_S, await_that
 
-PATIENCE_S = 20.0
 A_WHILE_S = 0.15  # many frames long at 200 a second
-
-
-def await_that(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline
-        threading.Event().wait(0.002)
 
 
 class Gate:

@@ -26,10 +26,10 @@ from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import status_lines
 from ashe_live.viewer.table import shelf as shelf_module
 from ashe_live.viewer.table.shelf import Shelf
+from tests.patience import PATIENCE_S
 
 SIDE_M = 0.08
 OTHER = "aruco:4x4_50:7"
-PATIENCE_S = 20.0
 
 
 @pytest.fixture

@@ -13,8 +13,7 @@ from ashe_live.models.memory import ModelMemory
 from ashe_live.models.reading import read_model
 from ashe_live.viewer.table import shelf as shelf_module
 from ashe_live.viewer.table.shelf import Shelf
-
-PATIENCE_S = 20.0
+from tests.patience import PATIENCE_S
 
 
 def awaited(shelf: Shelf):
