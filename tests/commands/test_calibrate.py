@@ -72,6 +72,13 @@ def test_a_photo_of_the_board_is_not_overwritten(run, pictures: list[Image], tmp
     assert (tmp_path / "0.png").read_bytes() == before
 
 
+def test_the_clip_of_the_board_is_not_overwritten(run, film, tmp_path: Path) -> None:
+    clip = tmp_path / "board.mp4"
+    clip.write_bytes(film.path.read_bytes())
+    assert "is also read" in run("calibrate", "--camera", clip, "--out", clip, "--overwrite", "--headless").refusal
+    assert clip.read_bytes() == film.path.read_bytes()
+
+
 def test_photos_of_two_sizes_are_refused_by_name(run, pictures: list[Image], tmp_path: Path) -> None:
     cv2.imwrite(str(tmp_path / "a.png"), pictures[0])
     cv2.imwrite(str(tmp_path / "b.png"), pictures[1][:-8])

@@ -135,6 +135,20 @@ def test_what_a_flag_reads_is_not_replaced_by_an_output(play, tmp_path, flags):
     assert path.read_bytes() == other.read_bytes() == b"precious"
 
 
+@pytest.mark.parametrize("flag", [None, "--camera-file", "--as-shown"])
+def test_neither_the_clip_nor_a_file_of_a_flag_is_replaced_by_an_output(run, film, tmp_path, flag):
+    clip, own = tmp_path / "clip.mp4", tmp_path / ("clip.mp4" if flag is None else "own.json")
+    clip.write_bytes(film.path.read_bytes())
+    if flag is not None:
+        own.write_bytes(film.camera_file.read_bytes())
+    before = own.read_bytes()
+    read = () if flag is None else (flag, own)
+    for output in ("--out", "--report"):
+        asked = ("--headless", "--frames", 1, *read, output, own, "--overwrite")
+        assert "is also read" in run("play", clip, *asked).refusal
+    assert own.read_bytes() == before
+
+
 def test_the_settings_are_not_replaced_by_an_output(play, run, film, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     settings_path().parent.mkdir()

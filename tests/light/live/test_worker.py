@@ -265,6 +265,12 @@ def test_closing_before_it_has_started_is_quiet(capfd):
     assert "Traceback" not in capfd.readouterr().err
 
 
+def test_an_estimator_that_compares_views_is_no_estimator_of_one_frame():
+    for estimator in ("proxy", quick):
+        with LightWorker(estimator) as worker:
+            assert not worker.takes_one_frame
+
+
 def test_ctrl_c_does_not_reach_it(worker, scene, without_marker, capfd):
     worker.request(without_marker)
     worker.wait(PATIENCE_S)
