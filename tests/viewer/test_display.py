@@ -8,7 +8,7 @@ from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
 from ashe_live.models.placement import Placement
 from ashe_live.render.screen import Screen
 from ashe_live.viewer import display as display_module
-from ashe_live.viewer.display import READINGS_SHOWN_FOR_S, Display, Readings, bare_scene
+from ashe_live.viewer.display import READINGS_SHOWN_FOR_S, Display, Readings, bare_scene, cut_out
 from ashe_live.viewer.drawn.estimate_inset import BORDER_PX
 from ashe_live.viewer.drawn.time_bar import Moment, TimeBar
 from ashe_live.viewer.estimates.easing import EASED_OVER_S
@@ -36,6 +36,21 @@ def test_recordings_carry_no_text(session):
     session.view.help.turn()
     session.view.shows_steps = True
     assert bare_scene(session).overlays == ()
+
+
+def test_the_window_alone_is_a_mirror(session):
+    """What is saved is as the camera sees it."""
+    for is_mirrored in (False, True):
+        session.view.is_mirrored = is_mirrored
+        assert Display().scene(session, SCREEN, Readings("fast"), 0.0).is_mirrored is is_mirrored
+        assert not bare_scene(session).is_mirrored
+
+
+def test_the_arrow_is_in_what_is_saved_where_it_is_shown_and_never_among_models_cut_out(session):
+    for shows_light in (False, True):
+        session.view.shows_light = shows_light
+        assert bare_scene(session).shows_light is shows_light
+        assert not cut_out(bare_scene(session)).shows_light
 
 
 def test_the_lights_become_those_of_the_estimate(session):

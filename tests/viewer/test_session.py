@@ -106,6 +106,19 @@ def test_a_failure_is_said_and_keeps_the_last_light(shown, fakes):
     assert not session.watch.is_estimating
 
 
+def test_what_a_frame_brings_with_it_is_said_once_until_it_is_something_else(make, fakes):
+    """As that there are two equal markers, which every frame says for as long as it is so."""
+    session, now_s = make(), 0.0
+    for note, is_said in ((None, False), ("a", True), ("a", False), ("b", True), (None, False), ("b", True)):
+        session.say("before", now_s)
+        session.take(dataclasses.replace(fakes.tracked(), note=note), now_s)
+        assert session.notice.text == (note if is_said else "before")
+        now_s += 1.0
+    begun = make()
+    begun.take(dataclasses.replace(fakes.tracked(), note="a"), 0.0)
+    assert begun.notice.text == "a"
+
+
 def test_a_model_that_cannot_be_read_is_said(make):
     session = make()
     session.table.shelf.error = UserError("broken.glb is damaged", "export it again")
