@@ -228,3 +228,21 @@ def test_a_live_camera_ends_when_it_is_known_although_it_was_lost_in_between(
     assert webcam.reads <= 2 * FRAMES
     assert webcam.reopened == 2
     assert read_camera_file(tmp_path / "camera.json").K[0, 0] == pytest.approx(430, rel=0.01)
+
+
+def test_a_file_that_has_appeared_meanwhile_stays_and_the_calibration_is_put_beside_it(
+    run: Callable, pictures: list[Image], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, webcam = tmp_path / "camera.json", FakeWebcam(pictures)
+
+    def opened(_camera: int, _size: object) -> FakeWebcam:
+        path.write_text("precious")
+        return webcam
+
+    monkeypatch.setattr(calibrate, "WebcamSource", opened)
+    outcome = run("calibrate", "--camera", "0", "--headless", "--out", path)
+    assert outcome.status == 0
+    assert path.read_text() == "precious"
+    (written,) = set(tmp_path.iterdir()) - {path}
+    assert read_camera_file(written).K[0, 0] == pytest.approx(430, rel=0.01)
+    assert str(written) in outcome.out[-1]
