@@ -135,10 +135,10 @@ def test_no_text_lies_on_what_the_estimator_saw(session, size):
 def test_what_has_not_changed_is_the_same_object(session):
     session.view.shows_steps = True
     display = Display()
-    first = display.scene(session, SCREEN, Readings("fast", 60.0), 0.0).overlays
-    again = display.scene(session, SCREEN, Readings("fast", 75.0), 0.1).overlays
+    first = display.scene(session, SCREEN, Readings("fast", 60.0), 100.0).overlays
+    again = display.scene(session, SCREEN, Readings("fast", 75.0), 100.1).overlays
     assert all(a is b for a, b in zip(first, again, strict=True))
-    later = display.scene(session, SCREEN, Readings("fast", 75.0), 5.0).overlays
+    later = display.scene(session, SCREEN, Readings("fast", 75.0), 105.0).overlays
     assert [now is before for now, before in zip(later, first, strict=True)] == [True, True, False]
 
 
@@ -165,6 +165,15 @@ def test_the_masks_make_way_for_a_model_where_the_window_shows_it(session, fakes
         session.tracked = tracked
         inset, *_ = Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays
         assert inset.top_px > SCREEN.size[1] / 4
+
+
+def test_the_masks_are_shown_where_no_model_has_a_place(session, monkeypatch):
+    """As where each stands on a marker that has not been in view."""
+    session.view.shows_steps = True
+    ((_, model, _),) = session.arrangement.models(session.tracked)
+    monkeypatch.setattr(type(session.arrangement), "models", lambda *_: ((None, model, None),))
+    inset, *_ = Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays
+    assert inset.top_px > SCREEN.size[1] / 4
 
 
 def test_a_marker_that_is_lost_is_reported_at_once_and_its_numbers_are_held(session, fakes, monkeypatch):

@@ -90,8 +90,11 @@ def test_without_a_marker_it_says_so_instead_of_estimating(make, fakes, has_fram
     if has_frame:
         session.take(fakes.tracked(has_marker=False), 0.0)
     assert not session.request_estimate(0.0)
-    assert "no marker in view" in session.notice.shown(0.0)
+    assert session.notice.shown(0.0) == "no marker in view", "nobody can turn a clip towards one"
     assert not session.watch.is_estimating
+    session.watch.camera_may_move = True
+    assert not session.request_estimate(1.0)
+    assert "point the camera at it" in session.notice.shown(1.0)
 
 
 def test_a_failure_is_said_and_keeps_the_last_light(shown, fakes):
@@ -265,6 +268,19 @@ def test_what_was_said_to_be_missing_is_not_said_once_it_is_there(shown, fakes):
     session.press(Command.TOGGLE_LIGHT)
     session.press(Command.MOVE_LIGHT, (1, 0), 0.1)  # by hand
     assert session.notice.shown(0.1) is None
+
+
+def test_no_arrow_is_missing_where_it_is_there_or_is_hidden(shown, fakes):
+    known, unknown = shown(), shown()
+    known.estimated(fakes.estimate())
+    for now_s in (1.0, 2.0):
+        known.press(Command.TOGGLE_LIGHT, now_s=now_s)
+        assert known.notice.text is None
+    unknown.press(Command.TOGGLE_LIGHT)
+    unknown.say("something else", 1.0)
+    unknown.press(Command.TOGGLE_LIGHT, now_s=1.0)
+    assert not unknown.view.shows_light
+    assert unknown.notice.text == "something else"
 
 
 def test_the_answer_alone_is_no_longer_spoken_of_beside_its_steps(shown, fakes):
@@ -633,9 +649,22 @@ def test_a_models_file_is_shown_by_its_name(make, tmp_path):
     assert session.table.model_name == "chair.obj"
 
 
-def test_the_last_frame_of_a_short_clip_is_estimated(shown):
+@pytest.mark.parametrize("is_photo", [False, True])
+def test_the_light_of_another_source_is_estimated_by_itself(make, fakes, is_photo):
+    """Also where that of the one before, a camera, waited for a key; a photo has one frame, and that is steady."""
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    session.begin_anew(is_photo)
+    for index in range(1 if is_photo else 60):
+        session.take(fakes.tracked(index), index / 30)
+    assert len(session.worker.requested) == 1
+
+
+def test_the_last_frame_of_a_short_clip_is_estimated_once(shown, fakes):
     session = shown(on_first_steady=True)
     assert session.settle_for_last(0.0)
+    assert not session.settle_for_last(0.0)
+    session.answered(fakes.estimate(), 0.0)
     assert not session.settle_for_last(0.0)
     assert [frozen.frame.index for frozen in session.worker.requested] == [0]
 
@@ -645,8 +674,11 @@ def test_the_last_frame_is_not_estimated_where_nobody_asked_for_it(make, shown, 
     session = shown(**when)
     assert not session.settle_for_last(0.0)
     unseen = make(on_first_steady=True)
+    assert not unseen.settle_for_last(0.0), "not even a frame"
     unseen.take(fakes.tracked(0, has_marker=False), 0.0)
     assert not unseen.settle_for_last(0.0)
+    assert unseen.first.awaits_steady, "the next round may show one"
+    assert unseen.notice.text is None
 
 
 def test_only_an_estimate_that_a_person_waits_for_is_urgent(make, fakes):
@@ -779,6 +811,7 @@ def test_before_and_after(shown):
     for _ in range(5):
         scene = bare_scene(session)
         shown.append((session.view.parts, scene.shows_model, scene.casts_shadow, scene.is_split))
+        assert (scene.model is not None) is (scene.shows_model or scene.casts_shadow)
         session.press(Command.BEFORE_AFTER)
     assert [each[1] for each in shown] == [True, True, False, False, True]
     assert [each[2] for each in shown] == [True, False, True, False, True]
