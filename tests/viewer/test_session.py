@@ -270,6 +270,15 @@ def test_what_was_said_to_be_missing_is_not_said_once_it_is_there(shown, fakes):
     assert session.notice.shown(0.1) is None
 
 
+@pytest.mark.parametrize("command", [Command.TOGGLE_LIGHT, Command.TOGGLE_STEPS])
+def test_what_is_missing_is_not_spoken_of_any_more_once_it_is_hidden_again(shown, command):
+    session = shown()
+    session.press(command)
+    assert session.notice.shown(0.1) is not None
+    session.press(command, now_s=0.1)
+    assert session.notice.shown(0.1) is None
+
+
 def test_no_arrow_is_missing_where_it_is_there_or_is_hidden(shown, fakes):
     known, unknown = shown(), shown()
     known.estimated(fakes.estimate())
@@ -503,6 +512,25 @@ def test_an_estimate_asked_for_again_while_it_is_made_ends_the_light_by_hand(sho
     session.answered(fakes.estimate(), 4.0)
     assert session.hand.light is None
     assert session.lit_by.lights is session.estimate.lights
+
+
+def test_what_is_done_to_the_model_meanwhile_does_not_make_the_light_by_hand_any_newer(shown, fakes):
+    session = shown()
+    session.set_by_hand(1.0)
+    session.request_estimate(2.0)
+    session.press(Command.TURN_MODEL, 1, 3.0)
+    session.answered(fakes.estimate(), 4.0)
+    assert session.hand.light is None
+    assert session.lit_by.lights is session.estimate.lights
+
+
+def test_what_is_compared_with_the_video_stays_so_while_something_is_moved(shown):
+    session = shown()
+    session.press(Command.BEFORE_AFTER)
+    parts = session.view.parts
+    session.set_by_hand(1.0)
+    session.press(Command.TURN_MODEL, 1, 2.0)
+    assert session.view.parts is parts
 
 
 def test_a_light_by_hand_that_is_brought_back_by_undoing_counts_from_then(shown, fakes):
