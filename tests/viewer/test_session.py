@@ -581,6 +581,7 @@ def test_a_light_by_hand_ends_the_automatic_and_the_awaited_estimate(shown, fake
     session = shown(on_first_steady=True, automatic=True)
     session.set_by_hand(0.0)
     assert not session.automatic
+    assert session.notice.shown(0.0) == "the light is by hand: A watches it again"
     for index in range(1, 30):
         session.take(fakes.tracked(index), index / 10)
     assert not session.watch.is_estimating
@@ -600,6 +601,40 @@ def test_after_a_light_by_hand_the_light_is_watched_again(shown, fakes, with_lig
     for index in range(1, 60):
         session.take(fakes.tracked(index), 2.0 + index / 10)
     assert (len(session.worker.requested) > asked) is with_light
+
+
+def test_a_key_watches_the_light_with_all_views_before_it_and_holds_it(shown, fakes):
+    session = shown()
+    session.estimated(fakes.estimate())
+    before = session.watch.sharpening
+    session.press(Command.AUTOMATIC, now_s=1.0)
+    assert session.automatic
+    assert session.notice.shown(1.0).startswith("the light is watched")
+    assert session.watch.sharpening is not before, "what gained nothing then may gain something now"
+    session.press(Command.AUTOMATIC, now_s=2.0)
+    assert not session.automatic
+    assert session.notice.shown(2.0).startswith("the light is held")
+    # Also while the estimate that is to replace a light by hand is still being made.
+    session.set_by_hand(3.0)
+    for now_s, is_watched in ((4.0, True), (5.0, False)):
+        session.press(Command.AUTOMATIC, now_s=now_s)
+        assert session.automatic is is_watched
+
+
+def test_where_nothing_was_set_by_hand_no_clear_light_is_not_said_to_stay_so(shown, fakes):
+    session = shown(automatic=True)
+    session.estimated(fakes.estimate(with_light=False))
+    assert session.notice.text is None
+    assert session.automatic
+
+
+def test_once_its_light_is_known_a_model_beside_the_cube_stands_out_of_the_shadow_of_that(make, fakes):
+    for to_light in ((1.0, 0.0, 1.0), (-1.0, 0.0, 1.0), (0.0, 1.0, 1.0), (0.0, -1.0, 1.0)):
+        session = make()
+        session.take(on_cube(fakes.tracked()), 0.0)
+        session.estimated(fakes.estimate(towards=to_light))
+        place = np.array(session.hand.placement.shift_m)
+        assert -place @ to_light[:2] < 0.5 * np.linalg.norm(place)
 
 
 def test_without_a_marker_a_light_by_hand_stays_and_is_not_said_to_be_watched(shown, fakes):

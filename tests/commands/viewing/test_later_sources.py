@@ -148,6 +148,13 @@ def test_each_file_has_its_own_marker_where_nobody_named_any(tmp_path: Path) -> 
         assert pipeline.marker == f"aruco:4x4_50:{marker}"
 
 
+def test_no_marker_is_looked_for_in_a_camera_before_it_is_shown() -> None:
+    """There may be none yet."""
+    options, camera = options_of("webcam", "--hfov", "60"), FakeSource(is_live=True)
+    assert with_marker_in(camera, options) is options
+    assert camera.reads == 0
+
+
 def test_files_are_opened_also_where_the_first_one_showed_the_paper_cube(tmp_path: Path) -> None:
     scene = CubeScene(CAMERA, looking(0.4, 45, 30), [sun(200, 35)])
     PIL.Image.fromarray(painted(scene)[..., ::-1]).save(tmp_path / "cube.png")
