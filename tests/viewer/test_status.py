@@ -213,6 +213,27 @@ def test_no_status_line_is_empty(make):
     assert source_lines(session, "end of the clip", 0.0) == ["end of the clip", "saved"]
 
 
+def test_hints_stand_above_what_is_said_of_the_source(shown, fakes, monkeypatch):
+    session = shown()
+    monkeypatch.setattr(type(session.table), "progress", "tree.glb is being loaded")
+    session.estimated(fakes.estimate(with_light=False))
+    session.say("saved", 0.0)
+    hints = guidance(session)
+    assert hints
+    assert source_lines(session, "end", 0.0) == [*hints, "end", "tree.glb is being loaded", "saved"]
+
+
+def test_a_model_whose_marker_has_not_been_in_view_has_no_place_to_be_reported(make, fakes, monkeypatch):
+    """Neither beside a lamp, nor out of the picture."""
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    session.hand.placement = Placement(shift_m=(90.0, 0.0))
+    session.hand.light = Illumination((Light((0.0, 0.0, 0.02), inverse_distance=50.0),))
+    model = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
+    monkeypatch.setattr(type(session.arrangement), "models", lambda *_: ((None, model, None),))
+    assert guidance(session) == ()
+
+
 def test_what_is_left_out_is_said_for_as_long_as_it_is_so(shown):
     """Not only for the few seconds of a notice: snapshots and recordings are made so too."""
     session = shown()
