@@ -33,6 +33,7 @@ def test_a_setting_holds_until_a_flag_says_otherwise(settle):
     assert parsed(["webcam"]).camera == "2"
     assert parsed(["webcam", "--camera", "1"]).camera == "1"
     assert parsed(["play", "a.mp4", "--quality", "accurate"]).quality == "accurate"
+    assert parsed(["play", "a.mp4", "--model", "tree"]).model == ("tree",), "not one more beside that of the settings"
     assert parsed(["estimate", "a.jpg"]).light == "sun"
     assert parsed(["estimate", "a.jpg", "--light", "lamp"]).light == "lamp"
     assert parsed(["estimate", "a.jpg"]).hfov == 70

@@ -114,6 +114,12 @@ def test_whatever_a_key_asks_for_without_saying_how_much_is_offered():
     assert {each.command for each in BINDINGS if not each.arguments} - by_name - {Command.LEAVE} == set(OFFERED)
 
 
+@pytest.mark.parametrize("chosen", [0, 2])
+def test_of_the_models_the_chosen_one_is_marked(chosen):
+    entries = entries_for(("cube", "mug", "tree"), chosen)
+    assert [number for number, entry in enumerate(entries) if entry.is_chosen] == [chosen]
+
+
 def test_it_opens_at_the_pointer_where_there_is_room():
     assert plate(opened(300, 100, (1920, 1080)), (1920, 1080))[:2] == (300, 100)
 
