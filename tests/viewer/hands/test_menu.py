@@ -114,12 +114,6 @@ def test_whatever_a_key_asks_for_without_saying_how_much_is_offered():
     assert {each.command for each in BINDINGS if not each.arguments} - by_name - {Command.LEAVE} == set(OFFERED)
 
 
-@pytest.mark.parametrize("chosen", [0, 2])
-def test_of_the_models_the_chosen_one_is_marked(chosen):
-    entries = entries_for(("cube", "mug", "tree"), chosen)
-    assert [number for number, entry in enumerate(entries) if entry.is_chosen] == [chosen]
-
-
 def test_it_opens_at_the_pointer_where_there_is_room():
     assert plate(opened(300, 100, (1920, 1080)), (1920, 1080))[:2] == (300, 100)
 
@@ -194,6 +188,33 @@ def test_the_row_under_the_pointer_is_brighter():
     _, bar = menu.overlays(Screen(SIZE))
     assert bar.top_px <= top + height / 2 < bar.top_px + bar.shown_size[1]
     assert menu.overlays(Screen(SIZE)) is menu.overlays(Screen(SIZE))
+
+
+@pytest.mark.parametrize("models", [("mug",), ("mug", "tree")], ids=["an odd number", "an even number"])
+def test_two_columns_share_the_plate_between_their_letters_and_beside_the_last_row_is_nothing(models):
+    entries, size = entries_for(models, 0), (1280, 720)
+    menu = Menu()
+    menu.take_mouse(MouseEvent(MENU, 0, 0), lambda: entries, Screen(size))
+    left, top, width, height = plate(menu, size)
+    bars = {}
+    for y in range(top + 1, top + height, 4):
+        for share in (0.02, 0.98):
+            menu.take_mouse(MouseEvent(MOVED, left + share * width, y), lambda: entries, Screen(size))
+            for bar in menu.overlays(Screen(size))[1:]:
+                bars[bar.left_px, bar.top_px] = bar.shown_size
+    assert len(bars) == len(entries)
+    begins = sorted({x for x, _ in bars})
+    assert {(x, x + bars[x, y][0]) for x, y in bars} == {(left, begins[1]), (begins[1], left + width)}
+    between = menu.overlays(Screen(size))[0].image_rgba[height // 4 : height // 2, begins[1] - left]
+    assert (between == between[0]).all(), "no letter lies on the border"
+
+
+def test_opened_again_no_row_is_brighter_before_the_pointer_moves():
+    menu = opened()
+    left, top, width, height = plate(menu)
+    menu.take_mouse(MouseEvent(MOVED, left + width / 2, top + height / 2), lambda: ENTRIES, Screen(SIZE))
+    menu.take_mouse(MouseEvent(MENU, 50, 40), lambda: ENTRIES, Screen(SIZE))
+    assert len(menu.overlays(Screen(SIZE))) == 1
 
 
 def test_it_goes_when_the_window_changes_its_size():
