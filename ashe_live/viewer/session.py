@@ -119,8 +119,7 @@ class Session:
 
     def begin_anew(self, is_photo: bool) -> None:
         """Resets everything for another clip or photo, which has another light and another marker."""
-        self.tracked = self.answer = None
-        self.true_to_light_marker = None
+        self.tracked = self.answer = self.true_to_light_marker = None
         self.room_light = RoomLight()
         self.shown = self.room_light.jump(None)
         self.table.begin_anew()
@@ -191,7 +190,9 @@ class Session:
                 self._toggle_automatic(now_s)
             case Command.TOGGLE_LIGHT:
                 view.shows_light = not view.shows_light
-                if view.shows_light and self.lit_by.light is None:
+                if not view.shows_light:
+                    self._not_there_yet.hide_light()
+                elif self.lit_by.light is None:
                     self._not_there_yet.show_light(now_s)
             case Command.TOGGLE_STEPS:
                 view.shows_steps = not view.shows_steps

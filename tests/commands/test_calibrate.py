@@ -72,6 +72,13 @@ def test_a_photo_of_the_board_is_not_overwritten(run, pictures: list[Image], tmp
     assert (tmp_path / "0.png").read_bytes() == before
 
 
+def test_the_clip_of_the_board_is_not_overwritten(run, film, tmp_path: Path) -> None:
+    clip = tmp_path / "board.mp4"
+    clip.write_bytes(film.path.read_bytes())
+    assert "is also read" in run("calibrate", "--camera", clip, "--out", clip, "--overwrite", "--headless").refusal
+    assert clip.read_bytes() == film.path.read_bytes()
+
+
 def test_photos_of_two_sizes_are_refused_by_name(run, pictures: list[Image], tmp_path: Path) -> None:
     cv2.imwrite(str(tmp_path / "a.png"), pictures[0])
     cv2.imwrite(str(tmp_path / "b.png"), pictures[1][:-8])
@@ -221,3 +228,21 @@ def test_a_live_camera_ends_when_it_is_known_although_it_was_lost_in_between(
     assert webcam.reads <= 2 * FRAMES
     assert webcam.reopened == 2
     assert read_camera_file(tmp_path / "camera.json").K[0, 0] == pytest.approx(430, rel=0.01)
+
+
+def test_a_file_that_has_appeared_meanwhile_stays_and_the_calibration_is_put_beside_it(
+    run: Callable, pictures: list[Image], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, webcam = tmp_path / "camera.json", FakeWebcam(pictures)
+
+    def opened(_camera: int, _size: object) -> FakeWebcam:
+        path.write_text("precious")
+        return webcam
+
+    monkeypatch.setattr(calibrate, "WebcamSource", opened)
+    outcome = run("calibrate", "--camera", "0", "--headless", "--out", path)
+    assert outcome.status == 0
+    assert path.read_text() == "precious"
+    (written,) = set(tmp_path.iterdir()) - {path}
+    assert read_camera_file(written).K[0, 0] == pytest.approx(430, rel=0.01)
+    assert str(written) in outcome.out[-1]

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from ashe_live import quality
+from ashe_live import __version__, quality
 from ashe_live.commands.flags import command_parser, option_groups, values
 from ashe_live.commands.flags.options import parsed
 from ashe_live.commands.flags.parser import build_parser, build_start_parser
@@ -104,7 +104,8 @@ def test_help_and_version(run):
     outcome = run("--help")
     assert outcome.status == 0
     assert all(any(command in line for line in outcome.out) for command in COMMANDS)
-    assert run("--version").out[0].startswith("ashe-live ")
+    outcome = run("--version")
+    assert (outcome.status, outcome.out, outcome.err) == (0, [f"ashe-live {__version__}"], [])
 
 
 def test_files_may_stand_before_and_after_flags() -> None:

@@ -1,12 +1,14 @@
 """Settings: as flags given first; flags win; what is wrong names the file; `ashe-live settings` shows what holds."""
 
+import argparse
 import tomllib
 from pathlib import Path
 
 import pytest
 
 from ashe_live.commands.flags.options import parsed
-from ashe_live.commands.flags.settings_file import SETTINGS, settings_path
+from ashe_live.commands.flags.parser import build_parser, build_start_parser
+from ashe_live.commands.flags.settings_file import COMMANDS, SETTINGS, settings_path
 from tests.checkout import CHECKOUT
 
 
@@ -31,16 +33,38 @@ def test_a_setting_holds_until_a_flag_says_otherwise(settle):
     assert parsed(["webcam"]).camera == "2"
     assert parsed(["webcam", "--camera", "1"]).camera == "1"
     assert parsed(["play", "a.mp4", "--quality", "accurate"]).quality == "accurate"
+    assert parsed(["play", "a.mp4", "--model", "tree"]).model == ("tree",), "not one more beside that of the settings"
     assert parsed(["estimate", "a.jpg"]).light == "sun"
     assert parsed(["estimate", "a.jpg", "--light", "lamp"]).light == "lamp"
     assert parsed(["estimate", "a.jpg"]).hfov == 70
 
 
-def test_a_flag_replaces_a_setting_that_says_the_same_in_another_way(settle):
+SAME = {"camera-file": '"webcam.json"', "focal-px": "615", "hfov": "50"}  # what a camera sees, in several ways
+
+
+@pytest.mark.parametrize("flag", SAME)
+@pytest.mark.parametrize("key", SAME)
+def test_a_flag_replaces_a_setting_that_says_the_same_in_another_way(settle, key, flag):
+    settle(f"{key} = {SAME[key]}\n")
+    options = vars(parsed(["webcam", f"--{flag}", "70"]))
+    assert [each for each in SAME if options[each.replace("-", "_")] is not None] == [flag]
+    assert str(options[flag.replace("-", "_")]) in ("70", "70.0")
+
+
+def test_a_camera_file_is_beside_the_settings(settle):
     settle('camera-file = "webcam.json"\n')
-    options = parsed(["webcam", "--hfov", "50"])
-    assert (options.hfov, options.camera_file) == (50.0, None)
     assert parsed(["webcam"]).camera_file == settings_path().parent / "webcam.json"
+
+
+def test_a_setting_holds_for_every_command_that_has_its_flag():
+    """Of those that show or estimate: what is printed, or measured, is not what is played."""
+    of_commands = next(each for each in build_parser()._actions if isinstance(each, argparse._SubParsersAction))
+    parsers = {**of_commands.choices, "start": build_start_parser()}
+    for command in COMMANDS:
+        flags = parsers[command]._option_string_actions
+        assert {key for key in SETTINGS if command in SETTINGS[key].commands} == {
+            key for key in SETTINGS if f"--{key}" in flags
+        }
 
 
 def test_the_demo_keeps_its_own_camera_and_the_bench_has_no_settings(settle):

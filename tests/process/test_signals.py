@@ -93,12 +93,14 @@ def test_other_threads_hold_nothing_as_no_handler_runs_in_them():
     def hold():
         with signals_held():
             handlers.append(signal.getsignal(signal.SIGINT))
+        done.append(True)
 
-    handlers = []
+    handlers, done = [], []
     thread = threading.Thread(target=hold)
     thread.start()
     thread.join()
     assert handlers == [signal.default_int_handler]
+    assert done
 
 
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="Windows has no such masks")

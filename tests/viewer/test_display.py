@@ -8,7 +8,7 @@ from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
 from ashe_live.models.placement import Placement
 from ashe_live.render.screen import Screen
 from ashe_live.viewer import display as display_module
-from ashe_live.viewer.display import READINGS_SHOWN_FOR_S, Display, Readings, bare_scene
+from ashe_live.viewer.display import READINGS_SHOWN_FOR_S, Display, Readings, bare_scene, cut_out
 from ashe_live.viewer.drawn.estimate_inset import BORDER_PX
 from ashe_live.viewer.drawn.time_bar import Moment, TimeBar
 from ashe_live.viewer.estimates.easing import EASED_OVER_S
@@ -36,6 +36,21 @@ def test_recordings_carry_no_text(session):
     session.view.help.turn()
     session.view.shows_steps = True
     assert bare_scene(session).overlays == ()
+
+
+def test_the_window_alone_is_a_mirror(session):
+    """What is saved is as the camera sees it."""
+    for is_mirrored in (False, True):
+        session.view.is_mirrored = is_mirrored
+        assert Display().scene(session, SCREEN, Readings("fast"), 0.0).is_mirrored is is_mirrored
+        assert not bare_scene(session).is_mirrored
+
+
+def test_the_arrow_is_in_what_is_saved_where_it_is_shown_and_never_among_models_cut_out(session):
+    for shows_light in (False, True):
+        session.view.shows_light = shows_light
+        assert bare_scene(session).shows_light is shows_light
+        assert not cut_out(bare_scene(session)).shows_light
 
 
 def test_the_lights_become_those_of_the_estimate(session):
@@ -120,10 +135,10 @@ def test_no_text_lies_on_what_the_estimator_saw(session, size):
 def test_what_has_not_changed_is_the_same_object(session):
     session.view.shows_steps = True
     display = Display()
-    first = display.scene(session, SCREEN, Readings("fast", 60.0), 0.0).overlays
-    again = display.scene(session, SCREEN, Readings("fast", 75.0), 0.1).overlays
+    first = display.scene(session, SCREEN, Readings("fast", 60.0), 100.0).overlays
+    again = display.scene(session, SCREEN, Readings("fast", 75.0), 100.1).overlays
     assert all(a is b for a, b in zip(first, again, strict=True))
-    later = display.scene(session, SCREEN, Readings("fast", 75.0), 5.0).overlays
+    later = display.scene(session, SCREEN, Readings("fast", 75.0), 105.0).overlays
     assert [now is before for now, before in zip(later, first, strict=True)] == [True, True, False]
 
 
@@ -150,6 +165,15 @@ def test_the_masks_make_way_for_a_model_where_the_window_shows_it(session, fakes
         session.tracked = tracked
         inset, *_ = Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays
         assert inset.top_px > SCREEN.size[1] / 4
+
+
+def test_the_masks_are_shown_where_no_model_has_a_place(session, monkeypatch):
+    """As where each stands on a marker that has not been in view."""
+    session.view.shows_steps = True
+    ((_, model, _),) = session.arrangement.models(session.tracked)
+    monkeypatch.setattr(type(session.arrangement), "models", lambda *_: ((None, model, None),))
+    inset, *_ = Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays
+    assert inset.top_px > SCREEN.size[1] / 4
 
 
 def test_a_marker_that_is_lost_is_reported_at_once_and_its_numbers_are_held(session, fakes, monkeypatch):

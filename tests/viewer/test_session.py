@@ -90,8 +90,11 @@ def test_without_a_marker_it_says_so_instead_of_estimating(make, fakes, has_fram
     if has_frame:
         session.take(fakes.tracked(has_marker=False), 0.0)
     assert not session.request_estimate(0.0)
-    assert "no marker in view" in session.notice.shown(0.0)
+    assert session.notice.shown(0.0) == "no marker in view", "nobody can turn a clip towards one"
     assert not session.watch.is_estimating
+    session.watch.camera_may_move = True
+    assert not session.request_estimate(1.0)
+    assert "point the camera at it" in session.notice.shown(1.0)
 
 
 def test_a_failure_is_said_and_keeps_the_last_light(shown, fakes):
@@ -104,6 +107,19 @@ def test_a_failure_is_said_and_keeps_the_last_light(shown, fakes):
     assert session.estimate is good
     assert "has died" in session.notice.shown(1.0)
     assert not session.watch.is_estimating
+
+
+def test_what_a_frame_brings_with_it_is_said_once_until_it_is_something_else(make, fakes):
+    """As that there are two equal markers, which every frame says for as long as it is so."""
+    session, now_s = make(), 0.0
+    for note, is_said in ((None, False), ("a", True), ("a", False), ("b", True), (None, False), ("b", True)):
+        session.say("before", now_s)
+        session.take(dataclasses.replace(fakes.tracked(), note=note), now_s)
+        assert session.notice.text == (note if is_said else "before")
+        now_s += 1.0
+    begun = make()
+    begun.take(dataclasses.replace(fakes.tracked(), note="a"), 0.0)
+    assert begun.notice.text == "a"
 
 
 def test_a_model_that_cannot_be_read_is_said(make):
@@ -252,6 +268,28 @@ def test_what_was_said_to_be_missing_is_not_said_once_it_is_there(shown, fakes):
     session.press(Command.TOGGLE_LIGHT)
     session.press(Command.MOVE_LIGHT, (1, 0), 0.1)  # by hand
     assert session.notice.shown(0.1) is None
+
+
+@pytest.mark.parametrize("command", [Command.TOGGLE_LIGHT, Command.TOGGLE_STEPS])
+def test_what_is_missing_is_not_spoken_of_any_more_once_it_is_hidden_again(shown, command):
+    session = shown()
+    session.press(command)
+    assert session.notice.shown(0.1) is not None
+    session.press(command, now_s=0.1)
+    assert session.notice.shown(0.1) is None
+
+
+def test_no_arrow_is_missing_where_it_is_there_or_is_hidden(shown, fakes):
+    known, unknown = shown(), shown()
+    known.estimated(fakes.estimate())
+    for now_s in (1.0, 2.0):
+        known.press(Command.TOGGLE_LIGHT, now_s=now_s)
+        assert known.notice.text is None
+    unknown.press(Command.TOGGLE_LIGHT)
+    unknown.say("something else", 1.0)
+    unknown.press(Command.TOGGLE_LIGHT, now_s=1.0)
+    assert not unknown.view.shows_light
+    assert unknown.notice.text == "something else"
 
 
 def test_the_answer_alone_is_no_longer_spoken_of_beside_its_steps(shown, fakes):
@@ -476,6 +514,25 @@ def test_an_estimate_asked_for_again_while_it_is_made_ends_the_light_by_hand(sho
     assert session.lit_by.lights is session.estimate.lights
 
 
+def test_what_is_done_to_the_model_meanwhile_does_not_make_the_light_by_hand_any_newer(shown, fakes):
+    session = shown()
+    session.set_by_hand(1.0)
+    session.request_estimate(2.0)
+    session.press(Command.TURN_MODEL, 1, 3.0)
+    session.answered(fakes.estimate(), 4.0)
+    assert session.hand.light is None
+    assert session.lit_by.lights is session.estimate.lights
+
+
+def test_what_is_compared_with_the_video_stays_so_while_something_is_moved(shown):
+    session = shown()
+    session.press(Command.BEFORE_AFTER)
+    parts = session.view.parts
+    session.set_by_hand(1.0)
+    session.press(Command.TURN_MODEL, 1, 2.0)
+    assert session.view.parts is parts
+
+
 def test_a_light_by_hand_that_is_brought_back_by_undoing_counts_from_then(shown, fakes):
     session = shown(automatic=True)
     session.set_by_hand(1.0)
@@ -524,6 +581,7 @@ def test_a_light_by_hand_ends_the_automatic_and_the_awaited_estimate(shown, fake
     session = shown(on_first_steady=True, automatic=True)
     session.set_by_hand(0.0)
     assert not session.automatic
+    assert session.notice.shown(0.0) == "the light is by hand: A watches it again"
     for index in range(1, 30):
         session.take(fakes.tracked(index), index / 10)
     assert not session.watch.is_estimating
@@ -543,6 +601,40 @@ def test_after_a_light_by_hand_the_light_is_watched_again(shown, fakes, with_lig
     for index in range(1, 60):
         session.take(fakes.tracked(index), 2.0 + index / 10)
     assert (len(session.worker.requested) > asked) is with_light
+
+
+def test_a_key_watches_the_light_with_all_views_before_it_and_holds_it(shown, fakes):
+    session = shown()
+    session.estimated(fakes.estimate())
+    before = session.watch.sharpening
+    session.press(Command.AUTOMATIC, now_s=1.0)
+    assert session.automatic
+    assert session.notice.shown(1.0).startswith("the light is watched")
+    assert session.watch.sharpening is not before, "what gained nothing then may gain something now"
+    session.press(Command.AUTOMATIC, now_s=2.0)
+    assert not session.automatic
+    assert session.notice.shown(2.0).startswith("the light is held")
+    # Also while the estimate that is to replace a light by hand is still being made.
+    session.set_by_hand(3.0)
+    for now_s, is_watched in ((4.0, True), (5.0, False)):
+        session.press(Command.AUTOMATIC, now_s=now_s)
+        assert session.automatic is is_watched
+
+
+def test_where_nothing_was_set_by_hand_no_clear_light_is_not_said_to_stay_so(shown, fakes):
+    session = shown(automatic=True)
+    session.estimated(fakes.estimate(with_light=False))
+    assert session.notice.text is None
+    assert session.automatic
+
+
+def test_once_its_light_is_known_a_model_beside_the_cube_stands_out_of_the_shadow_of_that(make, fakes):
+    for to_light in ((1.0, 0.0, 1.0), (-1.0, 0.0, 1.0), (0.0, 1.0, 1.0), (0.0, -1.0, 1.0)):
+        session = make()
+        session.take(on_cube(fakes.tracked()), 0.0)
+        session.estimated(fakes.estimate(towards=to_light))
+        place = np.array(session.hand.placement.shift_m)
+        assert -place @ to_light[:2] < 0.5 * np.linalg.norm(place)
 
 
 def test_without_a_marker_a_light_by_hand_stays_and_is_not_said_to_be_watched(shown, fakes):
@@ -620,9 +712,22 @@ def test_a_models_file_is_shown_by_its_name(make, tmp_path):
     assert session.table.model_name == "chair.obj"
 
 
-def test_the_last_frame_of_a_short_clip_is_estimated(shown):
+@pytest.mark.parametrize("is_photo", [False, True])
+def test_the_light_of_another_source_is_estimated_by_itself(make, fakes, is_photo):
+    """Also where that of the one before, a camera, waited for a key; a photo has one frame, and that is steady."""
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    session.begin_anew(is_photo)
+    for index in range(1 if is_photo else 60):
+        session.take(fakes.tracked(index), index / 30)
+    assert len(session.worker.requested) == 1
+
+
+def test_the_last_frame_of_a_short_clip_is_estimated_once(shown, fakes):
     session = shown(on_first_steady=True)
     assert session.settle_for_last(0.0)
+    assert not session.settle_for_last(0.0)
+    session.answered(fakes.estimate(), 0.0)
     assert not session.settle_for_last(0.0)
     assert [frozen.frame.index for frozen in session.worker.requested] == [0]
 
@@ -632,8 +737,11 @@ def test_the_last_frame_is_not_estimated_where_nobody_asked_for_it(make, shown, 
     session = shown(**when)
     assert not session.settle_for_last(0.0)
     unseen = make(on_first_steady=True)
+    assert not unseen.settle_for_last(0.0), "not even a frame"
     unseen.take(fakes.tracked(0, has_marker=False), 0.0)
     assert not unseen.settle_for_last(0.0)
+    assert unseen.first.awaits_steady, "the next round may show one"
+    assert unseen.notice.text is None
 
 
 def test_only_an_estimate_that_a_person_waits_for_is_urgent(make, fakes):
@@ -766,6 +874,7 @@ def test_before_and_after(shown):
     for _ in range(5):
         scene = bare_scene(session)
         shown.append((session.view.parts, scene.shows_model, scene.casts_shadow, scene.is_split))
+        assert (scene.model is not None) is (scene.shows_model or scene.casts_shadow)
         session.press(Command.BEFORE_AFTER)
     assert [each[1] for each in shown] == [True, True, False, False, True]
     assert [each[2] for each in shown] == [True, False, True, False, True]

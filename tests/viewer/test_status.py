@@ -36,8 +36,10 @@ def test_a_vague_answer_from_one_view_says_what_makes_it_sharper_to_who_can_move
     assert light_line(session) == "light: azimuth 0°, elevation 45° ± 2.9°, move the camera a little"
     session.watch.sharpening.span_rad = np.radians(20)  # views so far apart have not made it any sharper
     assert "move" not in light_line(session)
-    session.estimated(fakes.estimate(sigma_rad=0.01), 1.0)
-    assert "move" not in light_line(session)
+    session.watch.sharpening.span_rad = 0.0
+    for sigma_rad in (0.01, None):  # None: the paper's method does not tell
+        session.estimated(fakes.estimate(sigma_rad=sigma_rad), 1.0)
+        assert "move" not in light_line(session)
 
 
 def test_an_answer_by_several_views_says_how_many_and_how_far_apart_they_are(shown, fakes):
@@ -115,8 +117,11 @@ def test_the_light_line_says_who_has_set_the_light_and_of_how_many_it_is_the_fir
     session = shown()
     session.estimated(fakes.estimate())
     assert not any(word in light_line(session) for word in ("by hand", "first of"))
+    session.watch.camera_may_move = True
+    assert "move the camera" in light_line(session)
     session.set_by_hand(1.0)
     assert light_line(session).startswith("light by hand: ")
+    assert "camera" not in light_line(session), "which shows no more of a light by hand"
     session.hand.light = Illumination(tuple(Light((0.1 * number, 0.0, 1.0)) for number in range(3)))
     assert light_line(session).endswith("first of 3")
 
@@ -206,6 +211,27 @@ def test_no_status_line_is_empty(make):
     assert source_lines(session, None, 0.0) == []
     session.say("saved", 0.0)
     assert source_lines(session, "end of the clip", 0.0) == ["end of the clip", "saved"]
+
+
+def test_hints_stand_above_what_is_said_of_the_source(shown, fakes, monkeypatch):
+    session = shown()
+    monkeypatch.setattr(type(session.table), "progress", "tree.glb is being loaded")
+    session.estimated(fakes.estimate(with_light=False))
+    session.say("saved", 0.0)
+    hints = guidance(session)
+    assert hints
+    assert source_lines(session, "end", 0.0) == [*hints, "end", "tree.glb is being loaded", "saved"]
+
+
+def test_a_model_whose_marker_has_not_been_in_view_has_no_place_to_be_reported(make, fakes, monkeypatch):
+    """Neither beside a lamp, nor out of the picture."""
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    session.hand.placement = Placement(shift_m=(90.0, 0.0))
+    session.hand.light = Illumination((Light((0.0, 0.0, 0.02), inverse_distance=50.0),))
+    model = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
+    monkeypatch.setattr(type(session.arrangement), "models", lambda *_: ((None, model, None),))
+    assert guidance(session) == ()
 
 
 def test_what_is_left_out_is_said_for_as_long_as_it_is_so(shown):

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ashe_live.quality import FAST
+from ashe_live.quality import ACCURATE, FAST
 from ashe_live.render.scene import Scene
 from ashe_live.viewer import stillness as stillness_module
 from ashe_live.viewer.stillness import (
@@ -53,6 +53,17 @@ def test_what_changes_or_is_being_prepared_is_not_still() -> None:
     for _ in range(2 * UNCHANGED_PICTURES):
         stillness.add(Scene(), SIZE, FAST.render, is_settled=False)
         assert not stillness.is_still
+
+
+@pytest.mark.usefixtures("clock")
+@pytest.mark.parametrize(("size", "preset"), [((800, 600), FAST.render), (SIZE, ACCURATE.render)])
+def test_the_same_in_another_size_or_quality_is_another_picture(size, preset) -> None:
+    stillness, scene = Stillness(), Scene()
+    for _ in range(UNCHANGED_PICTURES + 1):
+        stillness.add(scene, SIZE, FAST.render, is_settled=True)
+    assert stillness.is_still
+    stillness.add(scene, size, preset, is_settled=True)
+    assert not stillness.is_still
 
 
 def test_no_more_pictures_a_second_are_told_than_the_display_shows(clock: SimpleNamespace) -> None:

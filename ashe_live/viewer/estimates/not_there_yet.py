@@ -25,8 +25,12 @@ class NotThereYet:
         elif answer.steps_bgr is None:
             self._notice.say(ANSWER_ALONE, now_s)
 
+    def hide_light(self) -> None:
+        self._notice.withdraw(NO_ARROW_YET)
+
     def hide_steps(self) -> None:
         self._notice.withdraw(ANSWER_ALONE)
+        self._notice.withdraw(NO_ANSWER_YET)
 
     def take_light(self) -> None:
         """A light is known."""

@@ -108,3 +108,15 @@ def test_each_picture_has_its_size_and_says_what_is_said_about_it(tmp_path: Path
 
 def test_a_name_that_is_no_text_is_no_reason_to_lose_the_page(tmp_path: Path) -> None:
     assert r"caf\udce9.png" in page_of(tmp_path / "page.html", "caf\udce9.png")
+
+
+def test_a_file_that_has_appeared_meanwhile_stays_and_the_page_is_put_beside_it(tmp_path: Path) -> None:
+    """A batch may take an hour."""
+    page, path = LightPage(), tmp_path / "page.html"
+    page.add("a.png", "light", None)
+    path.write_text("precious")
+    written = page.write(path, overwrite=False)
+    assert path.read_text() == "precious"
+    assert written.parent == tmp_path
+    assert "a.png" in written.read_text(encoding="utf-8")
+    assert page.write(path, overwrite=True) == path

@@ -81,6 +81,10 @@ def test_what_cannot_be_is_said(arguments, said):
         with_markers_spelled(options(*arguments))
 
 
+def test_as_many_models_as_there_may_be_are_taken():
+    assert len(chosen_models(with_markers_spelled(options(*models(*["mug"] * MOST_MODELS))))) == MOST_MODELS
+
+
 def test_a_marker_without_a_model_is_refused(capsys):
     with pytest.raises(SystemExit):
         options("--model", "7=")

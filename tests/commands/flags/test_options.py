@@ -1,10 +1,11 @@
 """Options with the settings behind them: whose value it was that could not be used."""
 
 import argparse
+from pathlib import Path
 
 import pytest
 
-from ashe_live.commands.flags.options import with_origin
+from ashe_live.commands.flags.options import parsed, with_origin
 from ashe_live.commands.flags.settings_file import settings_path
 from ashe_live.errors import UserError
 
@@ -33,6 +34,13 @@ def test_of_a_value_from_the_settings_their_file_is_named() -> None:
 )
 def test_of_another_error_or_value_it_is_not(error: UserError, given: argparse.Namespace | None) -> None:
     assert with_origin(error, given) is error
+
+
+def test_an_axis_that_begins_like_a_flag_is_none_and_elsewhere_its_letter_is_a_name() -> None:
+    for axis in ("z", "-z"):
+        assert parsed(["play", "y", "--up", axis, "--mirror"]).up == axis
+        assert parsed(["--model", "x", "--up", axis]).model == ("x",)
+    assert parsed(["play", "y"]).file == Path("y")
 
 
 def test_a_camera_may_be_a_number_there() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from ashe_live.capture.cameras import Device
+from ashe_live.capture.cameras import Device, name_of
 from ashe_live.capture.opening import open_source
 from ashe_live.commands import demo
 from ashe_live.commands.flags.marker_choice import tracker_maker, with_marker, with_marker_in
@@ -16,9 +16,12 @@ from ashe_live.commands.flags.options import parsed
 from ashe_live.commands.viewing import later_sources
 from ashe_live.commands.viewing.later_sources import LaterSources
 from ashe_live.commands.viewing.setup import ViewerSetup
+from ashe_live.core.camera import Size
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
 from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.focal.focal import FocalEstimate
+from ashe_live.tracking.focal.focal_memory import FocalMemory
 from tests.painted_cubes import CAMERA, CubeScene, looking, painted, sun
 from tests.patience import PATIENCE_S
 from tests.viewer.conftest import FakeSource
@@ -68,6 +71,27 @@ def test_a_camera_that_was_named_by_its_path_is_not_another_one(
     for _ in range(2):
         later(None).close()
     assert opened == [2, 0]
+
+
+def test_the_next_camera_is_as_the_flags_say_and_what_was_learned_of_it_is_recalled(
+    monkeypatch: pytest.MonkeyPatch,
+    opened: list[int],  # noqa: ARG001 - the folders
+) -> None:
+    attached(monkeypatch, 0, 2)
+    sizes: list[Size] = []
+
+    def camera(_number: int, size: Size) -> FakeSource:
+        sizes.append(size)
+        return FakeSource(is_live=True)
+
+    monkeypatch.setattr(later_sources, "WebcamSource", camera)
+    FocalMemory(name_of(2, later_sources.connected())).keep(FocalEstimate((64, 48), 71.5, 0.5, 60))
+    pipeline = LaterSources(options_of("webcam", "--size", "640x480"))(None)
+    tracked = pipeline.frames.take(20.0)
+    pipeline.close()
+    assert sizes == [(640, 480)]
+    assert tracked is not None
+    assert tracked.camera.K[0, 0] == pytest.approx(71.5)
 
 
 def test_from_a_clip_the_first_camera_comes(monkeypatch: pytest.MonkeyPatch, opened: list[int]) -> None:
@@ -123,6 +147,13 @@ def test_each_file_has_its_own_marker_where_nobody_named_any(tmp_path: Path) -> 
         pipeline = LaterSources(options)(tmp_path / "3.png")
         pipeline.close()
         assert pipeline.marker == f"aruco:4x4_50:{marker}"
+
+
+def test_no_marker_is_looked_for_in_a_camera_before_it_is_shown() -> None:
+    """There may be none yet."""
+    options, camera = options_of("webcam", "--hfov", "60"), FakeSource(is_live=True)
+    assert with_marker_in(camera, options) is options
+    assert camera.reads == 0
 
 
 def test_files_are_opened_also_where_the_first_one_showed_the_paper_cube(tmp_path: Path) -> None:

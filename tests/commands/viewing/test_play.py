@@ -19,10 +19,11 @@ from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.commands.flags.settings_file import settings_path
 from ashe_live.core.contract import SCHEMA
 from ashe_live.errors import UserError
+from ashe_live.light.live.worker_messages import WorkerFailure
 from ashe_live.viewer.output.report import Report
 from ashe_live.viewer.view_options import WHOLE
 from tests.checkout import CHECKOUT
-from tests.commands.conftest import contract
+from tests.commands.conftest import InstantWorker, contract
 
 pytestmark = pytest.mark.usefixtures("instant")
 # Ground over the marker takes longer than all else of a short run: it is asked for where it is what a test is about.
@@ -133,6 +134,20 @@ def test_what_a_flag_reads_is_not_replaced_by_an_output(play, tmp_path, flags):
     for output in (path, other):
         assert "is also read" in play(*(flag.format(path) for flag in flags), "--report", output, "--overwrite").refusal
     assert path.read_bytes() == other.read_bytes() == b"precious"
+
+
+@pytest.mark.parametrize("flag", [None, "--camera-file", "--as-shown"])
+def test_neither_the_clip_nor_a_file_of_a_flag_is_replaced_by_an_output(run, film, tmp_path, flag):
+    clip, own = tmp_path / "clip.mp4", tmp_path / ("clip.mp4" if flag is None else "own.json")
+    clip.write_bytes(film.path.read_bytes())
+    if flag is not None:
+        own.write_bytes(film.camera_file.read_bytes())
+    before = own.read_bytes()
+    read = () if flag is None else (flag, own)
+    for output in ("--out", "--report"):
+        asked = ("--headless", "--frames", 1, *read, output, own, "--overwrite")
+        assert "is also read" in run("play", clip, *asked).refusal
+    assert own.read_bytes() == before
 
 
 def test_the_settings_are_not_replaced_by_an_output(play, run, film, tmp_path, monkeypatch):
@@ -368,6 +383,22 @@ def test_without_a_display_it_is_said_what_may_be_written_instead(run, tmp_path,
     line = run("play", played, "--hfov", "55").refusal
     assert line.endswith(f"give --headless --out {written}")
     assert run("play", played, *HEADLESS, "--out", tmp_path / written).status == 0
+
+
+def test_what_was_measured_or_assumed_of_a_camera_that_nobody_gave_is_said(run, files, tmp_path):
+    write_sheet(tmp_path / "from_above.png", {0: (185, 265)}, cv2.aruco.DICT_4X4_50)
+    for photo, said in ((files["photo"], "the marker"), (tmp_path / "from_above.png", "degrees are assumed")):
+        unknown = "play", photo, *(flag for flag in HEADLESS if flag not in ("--hfov", "55"))
+        (line,) = run(*unknown).err
+        assert said in line
+        assert run(*unknown, "--hfov", "55").err == []
+
+
+def test_an_estimate_that_failed_is_said_at_the_end(run, files, monkeypatch):
+    monkeypatch.setattr(InstantWorker, "wait", lambda *_: WorkerFailure(0, "no answer in 120 s"))
+    outcome = run("play", files["photo"], *HEADLESS)
+    assert outcome.err == ["ashe-live: the estimate failed: no answer in 120 s"]
+    assert "light: not estimated" in outcome.out[0]
 
 
 def test_a_model_stands_on_each_marker(run, tmp_path):

@@ -67,3 +67,21 @@ def test_a_recording_that_is_not_there_is_no_success(play, tmp_path: Path, monke
     outcome = play("--out", tmp_path / "a.mp4")
     assert outcome.status == 2
     assert sum("No space left" in line for line in outcome.out) == 1
+
+
+@pytest.mark.parametrize("is_headless", [False, True])
+def test_recordings_that_were_cut_short_are_looked_for_here_and_where_the_next_one_goes(
+    play, tmp_path: Path, monkeypatch, is_headless: bool
+):
+    asked, here, there = [], tmp_path / "here", tmp_path / "there"
+    here.mkdir()
+    there.mkdir()
+    monkeypatch.chdir(here)
+    monkeypatch.setattr(
+        "ashe_live.commands.viewing.setup.rescue_recordings", lambda folder: asked.append(folder) or [folder / "a.mp4"]
+    )
+    outcome = play("--out", there / "b.mp4", *(("--headless",) if is_headless else ()))
+    assert sorted(asked) == [here, there]
+    assert all(
+        f"ashe-live: a recording that was cut short is now {folder / 'a.mp4'}" in outcome.err for folder in asked
+    )

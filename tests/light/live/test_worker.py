@@ -1,10 +1,12 @@
 """The light worker's process: answers, failures, its death and its end."""
 
+import gc
 import multiprocessing
 import os
 import signal
 import sys
 import threading
+import weakref
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -22,17 +24,19 @@ from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.light.estimators.preset import BALANCED, FAST, ProxyPreset
 from ashe_live.light.explanation.no_answer import NOTHING_THERE
 from ashe_live.light.live import worker as worker_module
+from ashe_live.light.live.same_scene import PlanePicture
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.light.live.worker_messages import (
     Answered,
     Estimated,
+    EstimateRequest,
     EstimateTask,
     Followed,
     OtherScene,
     Unchanged,
     WorkerFailure,
 )
-from ashe_live.light.live.worker_process import LOWEST_PRIORITY
+from ashe_live.light.live.worker_process import LOWEST_PRIORITY, HeldViews
 from ashe_live.light.paper.estimator import PaperEstimator
 from ashe_live.process import awake
 from tests.light.painted_scenes import BOX
@@ -258,6 +262,12 @@ def test_closing_before_it_has_started_is_quiet(capfd):
     assert "Traceback" not in capfd.readouterr().err
 
 
+def test_an_estimator_that_compares_views_is_no_estimator_of_one_frame():
+    for estimator in ("proxy", quick):
+        with LightWorker(estimator) as worker:
+            assert not worker.takes_one_frame
+
+
 def test_ctrl_c_does_not_reach_it(worker, scene, without_marker, capfd):
     worker.request(without_marker)
     worker.wait(PATIENCE_S)
@@ -468,3 +478,25 @@ def test_a_view_is_sent_once_and_kept_while_requests_name_it(monkeypatch):
             answer = answered(worker, here[frozen], [here[each] for each in others])
             assert answer.estimate.views == (frozen, *others)
     assert sent == [(3, 3), (3, 0), (3, 1), (3, 1)]
+
+
+def test_a_view_that_a_request_no_longer_names_is_let_go_with_its_picture_of_the_plane(monkeypatch) -> None:
+    """As a window may be open for hours."""
+    held, images, planes, made = HeldViews(), [], [], PlanePicture.of
+
+    def noted(tracked: TrackedFrame) -> PlanePicture:
+        plane = made(tracked)
+        planes.append((tracked.frame.index, weakref.ref(plane.colours)))
+        return plane
+
+    monkeypatch.setattr(PlanePicture, "of", noted)
+    for numbers in ((0, 1), (2, 1), (3, 2)):
+        new = {number: view(number, 4.0 * number) for number in numbers if number >= len(images)}
+        images += [weakref.ref(tracked.frame.image_bgr) for tracked in new.values()]
+        held.take(EstimateRequest(numbers, None, None, new, EstimateTask(BALANCED)))
+        held.outdated()
+        del new
+        gc.collect()
+        assert {number for number, image in enumerate(images) if image() is not None} == set(numbers)
+        assert {number for number, plane in planes if plane() is not None} == set(numbers)
+    assert len(planes) == 4, "of each view one is made, and used again"

@@ -6,8 +6,16 @@ from itertools import combinations
 import glfw
 import pytest
 
-from ashe_live.viewer.hands.controls import BINDINGS, HELD, REQUEST_BY_KEY, help_rows, request_for
-from ashe_live.viewer.hands.requests import Command, Request
+from ashe_live.viewer.hands.controls import (
+    BINDINGS,
+    COMMAND_BY_GESTURE,
+    HELD,
+    REPEATED,
+    REQUEST_BY_KEY,
+    help_rows,
+    request_for,
+)
+from ashe_live.viewer.hands.requests import Command, Gesture, Request
 from ashe_live.viewer.windows.glfw_window import NAME_BY_GLFW_KEY, held
 
 
@@ -99,11 +107,46 @@ def test_what_one_key_does_another_undoes_step_by_step():
         assert ways == back
         step = 5 if binding.command is Command.SEEK else 1  # seconds, or one
         assert all(max(map(abs, way)) == 1 if isinstance(way, tuple) else abs(way) == step for way in ways)
-    assert request_for("", "LEFT", "CTRL+") == Request(Command.MOVE_LIGHT, (-1, 0))
-    assert request_for("", "UP", "ALT+") == Request(Command.MOVE_MODEL, (0, 1))
-    assert request_for("+", None) == request_for("=", "=") == Request(Command.SCALE_MODEL, 1)
-    assert request_for("", "PAGE_DOWN", "ALT+") == Request(Command.LIGHT_DISTANCE, -1)
-    assert request_for(",", ",") == Request(Command.STEP, -1)
+
+
+@pytest.mark.parametrize(
+    ("keys", "command", "way"),
+    [
+        (("LEFT",), Command.MOVE_LIGHT, (-1, 0)),
+        (("RIGHT",), Command.MOVE_LIGHT, (1, 0)),
+        (("DOWN",), Command.MOVE_MODEL, (0, -1)),
+        (("UP",), Command.MOVE_MODEL, (0, 1)),
+        (("+", "=", "EQUAL"), Command.LIGHT_STRENGTH, 1),
+        (("-", "MINUS"), Command.LIGHT_STRENGTH, -1),
+        (("PAGE_UP",), Command.LIGHT_SOFTNESS, 1),
+        (("HOME", "["), Command.LIGHT_COLOUR, 1),
+        (("END", "]"), Command.LIGHT_COLOUR, -1),
+        (("PAGE_UP",), Command.LIGHT_DISTANCE, 1),
+        (("PAGE_UP", "["), Command.TURN_MODEL, 1),
+        (("PAGE_DOWN", "]"), Command.TURN_MODEL, -1),
+        (("+", "=", "EQUAL", "HOME"), Command.SCALE_MODEL, 1),
+        (("-", "MINUS", "END"), Command.SCALE_MODEL, -1),
+        ((",", "COMMA"), Command.STEP, -1),
+        ((".", "PERIOD"), Command.STEP, 1),
+        (("LEFT",), Command.SEEK, -5),
+        (("Z",), Command.SPEED, -1),
+    ],
+)
+def test_keys_go_the_way_that_the_help_says_first(keys, command, way):
+    """Or the other way, for the second of two; keys of another layout for the same go the same way."""
+    (binding,) = (each for each in BINDINGS if each.command is command)
+    ways = dict(zip((split(key)[1] for key in binding.keys), binding.arguments, strict=True))
+    assert [ways[key] for key in keys] == [way] * len(keys)
+
+
+def test_what_goes_step_by_step_is_repeated_and_nothing_else():
+    """But for the speed, of which there are few."""
+    stepwise = {binding.command for binding in BINDINGS if binding.arguments}
+    assert stepwise - {Command.CHOOSE_MODEL, Command.SPEED} == REPEATED
+
+
+def test_every_gesture_asks_for_something():
+    assert set(COMMAND_BY_GESTURE) == set(Gesture)
 
 
 def test_modifiers_have_names():

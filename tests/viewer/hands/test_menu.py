@@ -190,6 +190,33 @@ def test_the_row_under_the_pointer_is_brighter():
     assert menu.overlays(Screen(SIZE)) is menu.overlays(Screen(SIZE))
 
 
+@pytest.mark.parametrize("models", [("mug",), ("mug", "tree")], ids=["an odd number", "an even number"])
+def test_two_columns_share_the_plate_between_their_letters_and_beside_the_last_row_is_nothing(models):
+    entries, size = entries_for(models, 0), (1280, 720)
+    menu = Menu()
+    menu.take_mouse(MouseEvent(MENU, 0, 0), lambda: entries, Screen(size))
+    left, top, width, height = plate(menu, size)
+    bars = {}
+    for y in range(top + 1, top + height, 4):
+        for share in (0.02, 0.98):
+            menu.take_mouse(MouseEvent(MOVED, left + share * width, y), lambda: entries, Screen(size))
+            for bar in menu.overlays(Screen(size))[1:]:
+                bars[bar.left_px, bar.top_px] = bar.shown_size
+    assert len(bars) == len(entries)
+    begins = sorted({x for x, _ in bars})
+    assert {(x, x + bars[x, y][0]) for x, y in bars} == {(left, begins[1]), (begins[1], left + width)}
+    between = menu.overlays(Screen(size))[0].image_rgba[height // 4 : height // 2, begins[1] - left]
+    assert (between == between[0]).all(), "no letter lies on the border"
+
+
+def test_opened_again_no_row_is_brighter_before_the_pointer_moves():
+    menu = opened()
+    left, top, width, height = plate(menu)
+    menu.take_mouse(MouseEvent(MOVED, left + width / 2, top + height / 2), lambda: ENTRIES, Screen(SIZE))
+    menu.take_mouse(MouseEvent(MENU, 50, 40), lambda: ENTRIES, Screen(SIZE))
+    assert len(menu.overlays(Screen(SIZE))) == 1
+
+
 def test_it_goes_when_the_window_changes_its_size():
     menu = opened()
     assert menu.overlays(Screen((800, 600))) == ()
