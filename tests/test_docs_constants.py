@@ -14,7 +14,7 @@ from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.borders import PIXELS_PER_SAMPLE
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.light_covariance import MODEL_ERROR_SHARE
-from ashe_live.light.explanation.searches.second_light import BESIDE, OVERLAPPING
+from ashe_live.light.explanation.searches.second_light import LEAST_GAIN
 from ashe_live.light.lamps.companions import LEAST_PROBABILITY
 from ashe_live.light.lamps.doubt import CHANCE_DEVIANCE, LAMPS_NEARNESS
 from ashe_live.light.lamps.fall import fall_off, lit_samples
@@ -27,7 +27,7 @@ from ashe_live.render.lights.lighting import LAMP_RADIUS_M, SUN_ANGULAR_SIZE_RAD
 from ashe_live.render.reflections.surroundings import HALF_RADIUS_SIDES, PATTERN_SIZE
 from ashe_live.tracking.families.cells import MIN_CORRELATION, MIN_LEAD
 from ashe_live.tracking.search import LARGEST_PX, SMALLEST_PX
-from ashe_live.viewer.auto_quality import AMPLE, CALM_WINDOWS, TOO_SLOW, WINDOW_FRAMES
+from ashe_live.viewer.auto_quality import AMPLE, CALM_WINDOWS, SLOW_FRAMES, SLOW_MS, TOO_SLOW, WINDOW_FRAMES
 from ashe_live.viewer.hands.hand import LARGEST, SMALLEST
 from ashe_live.viewer.playback import SPEEDS
 from tests.checkout import CHECKOUT
@@ -70,12 +70,7 @@ STATED = {
     "another object's odds": ("docs/maths/lamps.md", "From {:g} on it counts", (LEAST_PROBABILITY,)),
     "the nearness of lamps": ("docs/maths/lamps.md", "A lamp has k ~ N(0, {:g}²/m²), positive", (LAMPS_NEARNESS,)),
     "a sun's direction stays": ("docs/maths/lamps.md", "Below D = {:g} (one in twenty by chance,", (CHANCE_DEVIANCE,)),
-    "a second light": ("docs/maths/colours.md", "the region would cost {:g} more by (15)", (BESIDE.gain,)),
-    "an overlapping shadow": (
-        "docs/maths/colours.md",
-        "must lower (15) by {:g}, for five parameters",
-        (OVERLAPPING.gain,),
-    ),
+    "a second light": ("docs/maths/colours.md", "the region would cost {:g} more by (15)", (LEAST_GAIN,)),
     "where it is looked for": ("docs/maths/lamps.md", "or uncertain by more than {:g} / m", (OPEN_NEARNESS_SIGMA,)),
     "a picture's effective sample size": (
         "docs/maths/explanation.md",
@@ -159,13 +154,13 @@ STATED = {
     ),
     "auto's way down": (
         "docs/rendering.md",
-        "by the median time of {} frames: down when it is above {:g} of the display's interval",
-        (WINDOW_FRAMES, TOO_SLOW),
+        "by the median time of {} frames, or of {} or more that took {:g} s together: down when it is above {:g} of the",
+        (WINDOW_FRAMES, SLOW_FRAMES, SLOW_MS / 1000, TOO_SLOW),
     ),
     "auto's way up": (
         "docs/rendering.md",
-        "up when it was below {:g} of it {} times in a row",
-        (AMPLE, CALM_WINDOWS),
+        "up when that of {} frames was below {:g} of it {} times in a row",
+        (WINDOW_FRAMES, AMPLE, CALM_WINDOWS),
     ),
     "the detector's region": (
         "docs/tracking.md",

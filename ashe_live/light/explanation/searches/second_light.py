@@ -6,17 +6,16 @@ its shadow coincides with visible borders (docs/maths, "A second light of a know
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, without
+from ashe_live.core.arrays import without
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.explain import aligned_explanations, explanation_criterion, proposal_of
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.scene_view import SceneView
-from ashe_live.light.explanation.searches.overlapping_shadow import overlapping_shadows
 from ashe_live.light.explanation.searches.shadow_search import ShadowCandidate, shadow_candidates
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import materials_of
@@ -24,24 +23,10 @@ from ashe_live.light.labels.two_lights import are_two_shadows, materials_of_two
 from ashe_live.light.shape.predicted import Predicted, predicted, predicted_of
 
 TRIED = 2  # candidates for the second light
+# How much a second light must lower the unary costs, and the least mean clarity of its shadow's borders.
+LEAST_GAIN, LEAST_CLARITY = 2 * COST_PER_PARAMETER, 0.18
 NEAR_RAD = math.radians(10)  # of lights that count as one
 PART = 0.8  # of a shadow's pixels: so many lie in another shadow that it is a part of
-LEAST_CLARITY = 0.18  # mean, of the borders of a shadow
-
-
-@dataclass(frozen=True, slots=True)
-class Evidence:
-    """What a second light must show at least."""
-
-    gain: float  # by which it lowers the unary costs
-    clarity: float  # mean, of its shadow's borders
-    is_seen_alone: bool  # whether some of its shadow must lie beside the first one's
-
-
-BESIDE = Evidence(2 * COST_PER_PARAMETER, LEAST_CLARITY, is_seen_alone=True)
-# A shadow that overlaps the first one's has five parameters, with its shift, which is not seen by itself. And the sky
-# that an object hides makes its shadow darker at its foot as well, but without a border.
-OVERLAPPING = Evidence(5 * COST_PER_PARAMETER, 0.5, is_seen_alone=False)
 
 
 def with_lights_counted(
@@ -70,9 +55,9 @@ def with_lights_counted(
     alone = [each for each in kept if is_part_of(one, each)] if pairs else [one]
     known = max(alone, key=log_odds, default=None)
     if known is not None:
-        pairs += _with_shadow_beside(known, view, region_px)
-    if known is not None and not pairs:
-        pairs += _with_shadow_overlapping(known, view, region_px)
+        found = shadow_candidates(known.proxy, known.lit.lights, view.coarse, view.ground, TRIED)
+        tried = [_tried(known, candidate, view, region_px) for candidate in found]
+        pairs += [both for both in tried if both is not None]
     whole, others = _without_cut(pairs), without(kept, pairs)
     return [*whole, *(other for other in others if not any(is_part_of(both, other) for both in whole))]
 
@@ -122,58 +107,30 @@ def is_part_of(both: Explanation, other: Explanation) -> bool:
     return min(angles) < NEAR_RAD
 
 
-def _with_shadow_beside(one: Explanation, view: SceneView, region_px: int) -> list[Explanation]:
-    """The explanation with each second light that casts a shadow beside the known one."""
-    found = shadow_candidates(one.proxy, one.lit.lights, view.coarse, view.ground, TRIED)
-    shifts = ((one.materials.shift, candidate.shift(view.ground)) for candidate in found)
-    tried = (
-        _tried(one, candidate, (known, shift), view, region_px, BESIDE)
-        for candidate, (known, shift) in zip(found, shifts, strict=True)
-        if shift is not None
-    )
-    return [both for both in tried if both is not None]
-
-
-def _with_shadow_overlapping(one: Explanation, view: SceneView, region_px: int) -> list[Explanation]:
-    """The explanation with each second light that casts a shadow mostly within the known one."""
-    found = overlapping_shadows(one.proxy, one.lit.lights, view.coarse, view.ground, TRIED)
-    tried = (
-        _tried(one, each.candidate, (each.known_shift, each.shift), view, region_px, OVERLAPPING) for each in found
-    )
-    return [both for both in tried if both is not None]
-
-
-def _tried(
-    one: Explanation,
-    candidate: ShadowCandidate,
-    shifts: tuple[Float, Float],
-    view: SceneView,
-    region_px: int,
-    least: Evidence,
-) -> Explanation | None:
-    """The explanation with a second light; None if that is rejected.
-
-    shifts: (3,) each, of the ground where the known light alone is blocked, and where the candidate's is.
-    """
-    lit, ground = one.lit, view.ground
+def _tried(one: Explanation, candidate: ShadowCandidate, view: SceneView, region_px: int) -> Explanation | None:
+    """The explanation with a second light; None if that is rejected."""
+    ground = view.ground
+    lit, shift = one.lit, candidate.shift(ground)
+    if shift is None:
+        return None
     region = candidate.region(lit, view, region_px)
-    known, new = (materials_of(region, ground, each) for each in shifts)
+    known, new = (materials_of(region, ground, each) for each in (one.materials.shift, shift))
     materials = materials_of_two(region, ground, known, new)
     if materials is None:
         return None
-    second = 1 if materials.shifts[1] is shifts[1] else 0
+    second = 1 if materials.shifts[1] is shift else 0
     start = replace(lit, lights=np.insert(lit.lights, second, candidate.light, axis=0))
     fitted = proposal_of(start, region, materials)
     proposal = fitted.proposal
     assert proposal.as_object is not None
-    if least.is_seen_alone and not are_two_shadows(proposal.split.parts):
+    if not are_two_shadows(proposal.split.parts):
         return None
     (both,) = aligned_explanations([fitted])
-    if both is None or _are_near(both) or both.alignment.clear_shadows[second] < least.clarity:
+    if both is None or _are_near(both) or both.alignment.clear_shadows[second] < LEAST_CLARITY:
         return None
     costs = Costs(region, materials, proposal.as_object)
     alone = min(costs.of(_without(second, each)) for each in (predicted_of(start, region.view), both.predicted))
-    return both if alone - costs.of(both.predicted) > least.gain else None
+    return both if alone - costs.of(both.predicted) > LEAST_GAIN else None
 
 
 def _without(light: int, masks: Predicted) -> Predicted:

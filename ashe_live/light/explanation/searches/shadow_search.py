@@ -5,7 +5,6 @@ pixel is found by the mean colour of all its pixels: a matched filter with the p
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -75,24 +74,9 @@ def shadow_candidates(
     free = coarse.is_ground & ~grown(known.whole, BESIDE_PX)
     if np.count_nonzero(free) < LEAST_PX:
         return []
-    return candidates_on(proxy, known_lights, coarse, free, unevenness(ground, free, known.body), count, LENGTHS)
-
-
-def candidates_on(
-    proxy: Proxy,
-    known_lights: Float,
-    coarse: View,
-    free: Mask,
-    uneven: Float32,
-    count: int,
-    lengths_tried: Sequence[float],
-) -> list[ShadowCandidate]:
-    """As `shadow_candidates`, on the ground `free` (h, w), of which `uneven` (h, w, 3) is the unevenness.
-
-    lengths_tried: of shadows, per unit of height.
-    """
-    matched_filter = _MatchedFilter.of(proxy, coarse, free, np.clip(uneven, DARKEST, BRIGHTEST))
-    azimuths, lengths = (each.ravel() for each in np.meshgrid(np.radians(AZIMUTHS), lengths_tried))
+    uneven = _unevenness(ground, free, SURROUNDINGS * math.sqrt(known.body.sum()))
+    matched_filter = _MatchedFilter.of(proxy, coarse, free, uneven)
+    azimuths, lengths = (each.ravel() for each in np.meshgrid(np.radians(AZIMUTHS), LENGTHS))
     ratios, _ = matched_filter.responses(_lights(azimuths, lengths))
     found: list[ShadowCandidate] = []
     directions = [towards(light, proxy.foot_marker) for light in known_lights]
@@ -117,19 +101,16 @@ def _lights(azimuths: Float, lengths: Float) -> Float:
     return at_infinity(np.column_stack([x, y, np.ones_like(x)]))
 
 
-def unevenness(ground: LitGround, free: Mask, body: Mask) -> Float32:
-    """(h, w, 3) difference of each pixel's log-opponent colour from the mean of the lit ground around it.
-
-    free: (h, w) what may be lit ground. body: (h, w) by whose size that mean is taken.
-    """
-    reach_px = SURROUNDINGS * math.sqrt(np.count_nonzero(body))
+def _unevenness(ground: LitGround, free: Mask, reach_px: float) -> Float32:
+    """(h, w, 3) difference of each pixel's colour from the mean of the lit ground around it, clipped."""
     lit = (free & (ground.squared_distance < LIT)).astype(np.float32)
     size = (2 * int(reach_px) + 1,) * 2
     count, total = (
         cv2.boxFilter(values, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
         for values in (lit, ground.colours * lit[..., None])
     )
-    return np.asarray(ground.colours - total / np.maximum(count, 1)[..., None], dtype=np.float32)
+    uneven = ground.colours - total / np.maximum(count, 1)[..., None]
+    return np.clip(uneven, DARKEST, BRIGHTEST)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
