@@ -4,7 +4,7 @@ import itertools
 import math
 from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import cache, wraps
-from typing import Any, TypeVar
+from typing import Any, TypeVar, TypeVarTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,7 @@ Image = NDArray[np.uint8]
 GivenImage = NDArray[Any]  # a caller's, checked when it comes: OpenCV's types do not say that pictures are uint8
 Item = TypeVar("Item")
 Owner = TypeVar("Owner")
+Others = TypeVarTuple("Others")
 Result = TypeVar("Result")
 
 # The standard deviation of a normal variable over its median absolute deviation.
@@ -115,6 +116,23 @@ def cached_by_array(method: Callable[[Owner, Float], Result]) -> Callable[[Owner
         return results[key]
 
     return cached
+
+
+def once_for_each(function: Callable[[Owner, *Others], Result]) -> Callable[[Owner, *Others], Result]:
+    """Makes a function of one object, and maybe of others, compute its result once for these.
+
+    The first object must have a __dict__, where the result for the last others is kept.
+    """
+    name = f"_{function.__qualname__}_once"
+
+    @wraps(function)
+    def once(owner: Owner, *others: *Others) -> Result:
+        known: tuple[tuple[*Others], Result] | None = owner.__dict__.get(name)
+        if known is None or not same_objects(known[0], others):
+            known = owner.__dict__[name] = others, function(owner, *others)
+        return known[1]
+
+    return once
 
 
 def fixed_point(pixels: NDArray[Any], bits: int = FRACTION_BITS) -> NDArray[np.int32]:

@@ -14,6 +14,7 @@ from ashe_live.core.arrays import (
     frozen_floats,
     frozen_view,
     lowest_on_parabola,
+    once_for_each,
     same_objects,
     upper_median,
     upper_quantile,
@@ -151,6 +152,27 @@ def test_a_method_computes_once_for_equal_arrays_and_once_for_each_object():
     assert one.doubled(np.arange(6.0)[::2]).tolist() == [0, 4, 8]
     assert other.doubled(np.arange(3.0)).tolist() == first.tolist()
     assert (len(one.asked), len(other.asked)) == (2, 1)
+
+
+def test_a_function_computes_once_for_each_object_beside_the_same_others():
+    class Number:
+        def __init__(self, value):
+            self.value = value
+
+    asked = []
+
+    @once_for_each
+    def added(one, other):
+        asked.append((one, other))
+        return Number(one.value + other.value)
+
+    one, other, third = Number(1), Number(2), Number(2)
+    first = added(one, other)
+    assert added(one, other) is first
+    assert added(other, one) is not first
+    # An equal one is another.
+    assert added(one, third) is not first
+    assert asked == [(one, other), (other, one), (one, third)]
 
 
 def test_of_what_is_alike_the_first_one_is_kept() -> None:
