@@ -36,7 +36,7 @@ ROBUST_ROUNDS = 6
 LEAST_NOISE = 0.01  # of log brightness
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class LitSamples:
     """The log brightness of lit ground, and what beside a lamp may cause it."""
 
