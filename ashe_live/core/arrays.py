@@ -165,6 +165,14 @@ def box_corners(bounds: Float) -> Float:
     return np.array(list(itertools.product(*bounds.T)))
 
 
+def median(values: Float | Float32) -> float:
+    """The median of values (n,); np.median also checks for NaN, and takes several times as long."""
+    middle = len(values) // 2
+    partitioned = np.partition(values, middle)
+    upper = partitioned[middle]
+    return float(upper if len(values) % 2 else 0.5 * (upper + partitioned[:middle].max()))
+
+
 def upper_median(values: Float | Float32) -> float:
     """The median of values (n,), or the upper of the two middle ones; many times as fast as NumPy's for few values."""
     return upper_quantile(values, 0.5)

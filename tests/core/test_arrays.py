@@ -14,6 +14,7 @@ from ashe_live.core.arrays import (
     frozen_floats,
     frozen_view,
     lowest_on_parabola,
+    median,
     once_for_each,
     same_objects,
     upper_median,
@@ -173,6 +174,13 @@ def test_a_function_computes_once_for_each_object_beside_the_same_others():
     # An equal one is another.
     assert added(one, third) is not first
     assert asked == [(one, other), (other, one), (one, third)]
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("count", [1, 2, 7, 100])
+def test_the_median_is_that_of_numpy_to_the_bit(count: int, dtype: type[np.floating]) -> None:
+    values = np.random.default_rng(count).normal(size=count).astype(dtype)
+    assert median(values) == float(np.median(values))
 
 
 def test_of_what_is_alike_the_first_one_is_kept() -> None:
