@@ -4,7 +4,7 @@ import itertools
 import math
 from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import cache, wraps
-from typing import Any, TypeVar
+from typing import Any, TypeVar, TypeVarTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,7 @@ Image = NDArray[np.uint8]
 GivenImage = NDArray[Any]  # a caller's, checked when it comes: OpenCV's types do not say that pictures are uint8
 Item = TypeVar("Item")
 Owner = TypeVar("Owner")
+Others = TypeVarTuple("Others")
 Result = TypeVar("Result")
 
 # The standard deviation of a normal variable over its median absolute deviation.
@@ -117,6 +118,23 @@ def cached_by_array(method: Callable[[Owner, Float], Result]) -> Callable[[Owner
     return cached
 
 
+def once_for_each(function: Callable[[Owner, *Others], Result]) -> Callable[[Owner, *Others], Result]:
+    """Makes a function of one object, and maybe of others, compute its result once for these.
+
+    The first object must have a __dict__, where the result for the last others is kept.
+    """
+    name = f"_{function.__qualname__}_once"
+
+    @wraps(function)
+    def once(owner: Owner, *others: *Others) -> Result:
+        known: tuple[tuple[*Others], Result] | None = owner.__dict__.get(name)
+        if known is None or not same_objects(known[0], others):
+            known = owner.__dict__[name] = others, function(owner, *others)
+        return known[1]
+
+    return once
+
+
 def fixed_point(pixels: NDArray[Any], bits: int = FRACTION_BITS) -> NDArray[np.int32]:
     """Coordinates of any shape in 2 ** -bits pixels, rounded: as OpenCV draws polygons with `shift=bits`."""
     return np.asarray(np.round(pixels * 2**bits), dtype=np.int32)
@@ -145,6 +163,14 @@ def unit_circle(count: int, start: float = 0.0) -> Float:
 def box_corners(bounds: Float) -> Float:
     """(8, 3) corners of a box given by its smallest and largest coordinates (2, 3)."""
     return np.array(list(itertools.product(*bounds.T)))
+
+
+def median(values: Float | Float32) -> float:
+    """The median of values (n,); np.median also checks for NaN, and takes several times as long."""
+    middle = len(values) // 2
+    partitioned = np.partition(values, middle)
+    upper = partitioned[middle]
+    return float(upper if len(values) % 2 else 0.5 * (upper + partitioned[:middle].max()))
 
 
 def upper_median(values: Float | Float32) -> float:

@@ -14,6 +14,8 @@ from ashe_live.core.arrays import (
     frozen_floats,
     frozen_view,
     lowest_on_parabola,
+    median,
+    once_for_each,
     same_objects,
     upper_median,
     upper_quantile,
@@ -151,6 +153,34 @@ def test_a_method_computes_once_for_equal_arrays_and_once_for_each_object():
     assert one.doubled(np.arange(6.0)[::2]).tolist() == [0, 4, 8]
     assert other.doubled(np.arange(3.0)).tolist() == first.tolist()
     assert (len(one.asked), len(other.asked)) == (2, 1)
+
+
+def test_a_function_computes_once_for_each_object_beside_the_same_others():
+    class Number:
+        def __init__(self, value):
+            self.value = value
+
+    asked = []
+
+    @once_for_each
+    def added(one, other):
+        asked.append((one, other))
+        return Number(one.value + other.value)
+
+    one, other, third = Number(1), Number(2), Number(2)
+    first = added(one, other)
+    assert added(one, other) is first
+    assert added(other, one) is not first
+    # An equal one is another.
+    assert added(one, third) is not first
+    assert asked == [(one, other), (other, one), (one, third)]
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("count", [1, 2, 7, 100])
+def test_the_median_is_that_of_numpy_to_the_bit(count: int, dtype: type[np.floating]) -> None:
+    values = np.random.default_rng(count).normal(size=count).astype(dtype)
+    assert median(values) == float(np.median(values))
 
 
 def test_of_what_is_alike_the_first_one_is_kept() -> None:

@@ -47,8 +47,8 @@ class LightPicture:
     @staticmethod
     def of(view: View) -> "LightPicture":
         """The whole of `view`."""
-        linear = LINEAR_FROM_SRGB_8BIT.astype(np.float32)[view.image_bgr]
-        return LightPicture(view, linear, ~grown(~view.is_ground, UNRELIABLE_PX))
+        linear = cv2.LUT(view.image_bgr, LINEAR_FROM_SRGB_8BIT.astype(np.float32))
+        return LightPicture(view, np.asarray(linear, dtype=np.float32), ~grown(~view.is_ground, UNRELIABLE_PX))
 
     def is_reliable_at(self, points: Float) -> Mask:
         """(...) whether points (..., 2) lie on reliable pixels of the picture."""

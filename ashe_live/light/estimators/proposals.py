@@ -6,7 +6,7 @@ from itertools import permutations
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask, distinct
+from ashe_live.core.arrays import Float, Mask, distinct, once_for_each
 from ashe_live.light.explanation.explain import Proposal
 from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.ground.lit_ground import LitGround
@@ -86,15 +86,20 @@ def _within_areas_of_one_colour(
     """
     # Before surroundings all have other ground, so that each area keeps the shift that it has itself.
     known = [materials for materials, _ in several if materials.other_ground is None]
-    for area in areas_of_one_colour(region):
+    for area, shift in _areas_with_shifts(region, ground):
         if any(are_like_areas(area, look) for _, look in several):
             continue
-        shift = shift_within(region.colours[area], ground)
         if shift is not None and shift[0] < -PALER:
             same = (each for each in known if np.abs((each.shift - shift) / SHIFT_NOISE).max() < 1)
             materials = next(same, None) or materials_of(region, ground, shift)
             known.append(materials)
             yield materials, area
+
+
+@once_for_each
+def _areas_with_shifts(region: Region, ground: LitGround) -> list[tuple[Mask, Float | None]]:
+    """(h, w) each: the region's areas of one colour, with the shift (3,) that each has if it is shadow."""
+    return [(area, shift_within(region.colours[area], ground)) for area in areas_of_one_colour(region)]
 
 
 def _proposed(region: Region, materials: Materials, found: Sequence[Split]) -> Iterator[Proposal]:

@@ -38,7 +38,6 @@ from ashe_live.light.explanation.no_answer import (
     fault_of_exposure,
     fault_of_scene,
 )
-from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.lamps.fall.low_lamps import is_under_low_lamp
 from ashe_live.light.lamps.kinds import SUN
 from ashe_live.light.views.agreeing_views import without_confirming
@@ -182,8 +181,8 @@ def _reason_for_none(first: Look, choice: Choice | None, judge: Judge, preset: P
     view, ground = look.trace.view, look.views[0].ground
     if preset.light != SUN and is_under_low_lamp(choice.explanation, choice.confidence, view, ground, look.unlit):
         return LOW_LAMP
-    sharpener = Sharpener.of([view.fine for view in look.views])
-    return None if is_as_given(choice.explanation, preset.first_fit, sharpener) else OTHER_SIZE
+    fine_views = [view.fine for view in look.views]
+    return None if is_as_given(choice.explanation, preset.first_fit, fine_views) else OTHER_SIZE
 
 
 def _shows_sky_alone(choice: Choice) -> bool:

@@ -16,8 +16,8 @@ from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.refining import LogOdds, Refiner, leaves_no_doubt
 from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.context import Context, context_features
-from ashe_live.light.explanation.judgement.judge import Judge, explanation_features
+from ashe_live.light.explanation.judgement.context import Context
+from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.known_place import explanations_by_place, hints_of
 from ashe_live.light.explanation.sharpen import Sharpener
@@ -58,7 +58,6 @@ class ViewSearch:
         """Segments the view; explanations are looked for as they are asked for."""
         self.view, self.preset, self.judge, self.clock = view, preset, judge, clock
         self._sharpener = Sharpener.of([view.fine])
-        self._own_features = cache(explanation_features)
         coarse, ground = view.coarse, view.ground
         unlit = with_unlit_on_average(view.unlit(round(SPECK_SHARE * coarse.is_ground.size)), coarse)
         sheet_shadow, glint = sheet_shadow_in(view.fine), glint_in(coarse, ground)
@@ -121,8 +120,7 @@ class ViewSearch:
         context = self.context_of(several)
 
         def log_odds(each: Explanation) -> float:
-            features = {**self._own_features(each), **context_features(each, context)}
-            return self.judge.log_odds_of(features) + self.lamps.agreement(each)
+            return self.judge.log_odds(each, context) + self.lamps.agreement(each)
 
         return cache(log_odds)
 

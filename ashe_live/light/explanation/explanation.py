@@ -23,7 +23,7 @@ from ashe_live.light.shape.predicted import Predicted
 LIKELY_FAMILIES = 4  # number of families, the likeliest by the labels' outlines, that finer evidence decides between
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Explanation:
     """A region explained as an object and its shadow, and the light that follows from that."""
 

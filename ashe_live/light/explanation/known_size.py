@@ -1,6 +1,7 @@
 """Whether an object whose sizes are given has these in the picture."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.pixels.areas import grown, overlapping
+from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.known import resized_family_of, size_ratios, sizes_of
 
@@ -22,19 +24,19 @@ LEFT_SHARE = 0.15  # of the object's area: what is left of an unlit area beside 
 TOUCHING_PX = 2  # between the two: a seam of mixed colours
 
 
-def is_as_given(explanation: Explanation, preset: FitPreset, sharpener: Sharpener) -> bool:
+def is_as_given(explanation: Explanation, preset: FitPreset, views: Sequence[View]) -> bool:
     """Whether the picture shows the preset's caster in its given sizes, or at least in none that are far from these.
 
     Labels alone do not decide that, as they often take shadow for object, or leave out a part of the object. So a body
     of other sizes is fitted to them, and to them with what is left beside the object. It is believed where it also
     explains steps of light and colours better than the given one, by more than its further parameters cost.
 
-    True where there is no caster, or no fit. sharpener: of the views that were explained.
+    True where there is no caster, or no fit. views: those that were explained, at full resolution.
     """
     caster = preset.caster
     if caster is None:
         return True
-    whole = _with_what_is_left(explanation)
+    whole, sharpener = _with_what_is_left(explanation), Sharpener.of(views)
     labellings = [explanation] if whole is None else [explanation, whole]
     return all(_is_as_labelled(each, replace(preset, resizes=True), caster, sharpener) for each in labellings)
 

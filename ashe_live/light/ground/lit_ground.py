@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Float32, Image, Mask
+from ashe_live.core.arrays import Float, Float32, Image, Mask, median
 from ashe_live.light.ground.preset import COARSE, GroundPreset
 from ashe_live.light.ground.sheen import sheen_on, without_sheen
 from ashe_live.light.ground.slow_shading import LightFall, field_beside, robust_trend, slow_bases
@@ -80,7 +80,7 @@ def fit_lit_ground(
         return None
     bases = slow_bases(is_ground.shape, fall)
     field, spread = _wider_spread(colours, bases, is_ground, preset.spread_colours)
-    typical, spread = _median(spread[is_ground]), smoothed(spread)
+    typical, spread = median(spread[is_ground]), smoothed(spread)
     lit = is_ground & (spread > min(WIDE, WIDE_OF_TYPICAL * typical))
     chosen = _samples(shrunk(lit, 1))
     if len(chosen) < LEAST_SAMPLES:
@@ -180,7 +180,7 @@ def _wider_spread(colours: Float32, bases: Float32, is_ground: Mask, count: int)
     values, slow = colours.reshape(-1, 3)[chosen], bases[chosen]
 
     def typical(labels: NDArray[np.intp]) -> float:
-        return _median(_spreads(labels, cells[chosen])[labels])
+        return median(_spreads(labels, cells[chosen])[labels])
 
     trend = robust_trend(values, slow)
     labels, centres = clusters(values, count)
@@ -209,11 +209,3 @@ def _spreads(labels: NDArray[np.intp], cells: NDArray[np.intp], count: int = 0) 
     share = density / np.maximum(density.sum(axis=1, keepdims=True), 1e-9)
     perplexity = np.exp(-(share * np.log(share + 1e-12)).sum(axis=1))
     return np.asarray(perplexity / np.count_nonzero(seen), dtype=np.float32)
-
-
-def _median(values: Float32) -> float:
-    """The median of values (n,); np.median also checks for NaN, and takes several times as long."""
-    middle = len(values) // 2
-    partitioned = np.partition(values, middle)
-    upper = partitioned[middle]
-    return float(upper if len(values) % 2 else 0.5 * (upper + partitioned[:middle].max()))

@@ -40,7 +40,7 @@ UNLIT_DISTANCE = 7.0
 FAINT_DISTANCE = 30.0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Region:
     """A window of the frame around an object and its shadow, scaled so that they have a given size in pixels."""
 

@@ -8,6 +8,7 @@ are kept, as an object of one colour votes for one too: the geometry decides bet
 from collections.abc import Iterable, Sequence
 from functools import cache
 
+import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, distinct
@@ -109,10 +110,10 @@ def _votes(colours: Float32, palette: Mixture) -> tuple[Float32, Float32]:
 def _most_voted(offsets: Float32, weights: Float32, count: int) -> Float:
     """(p, 3) up to `count` shifts about which the likeliest ones have most votes; arguments as for `_votes`."""
     bins = np.floor((offsets - LOWEST.astype(np.float32)) / BIN.astype(np.float32)).astype(np.intp)
-    inside = ((bins >= 0) & (bins < BINS)).all(axis=1)
+    inside = np.logical_and.reduce([(along >= 0) & (along < size) for along, size in zip(bins.T, BINS, strict=True)])
     flat = np.ravel_multi_index(tuple(bins[inside].T), tuple(BINS))
     votes = np.bincount(flat, weights[inside], int(np.prod(BINS))).reshape(tuple(BINS))
-    peaks = _peaks(_blurred(votes) * _plausibility(), count)
+    peaks = _peaks(_blurred(np.asarray(votes, dtype=np.float64)) * _plausibility(), count)
     return np.asarray(LOWEST + (peaks + 0.5) * BIN)
 
 
@@ -154,22 +155,20 @@ def _plausibility() -> Float:
 
 
 def _blurred(votes: Float) -> Float:
-    for axis in range(3):
-        slices = np.moveaxis(votes, axis, 0)
-        blurred = 0.5 * slices
-        blurred[1:] += 0.25 * slices[:-1]
-        blurred[:-1] += 0.25 * slices[1:]
-        votes = np.moveaxis(blurred, 0, axis)
-    return votes
+    # To OpenCV, a picture of as many channels as bins along the last axis; then these are its rows' pixels.
+    kernel, beyond = np.array([0.25, 0.5, 0.25]), cv2.BORDER_CONSTANT
+    blurred = cv2.sepFilter2D(votes, -1, kernel, kernel, borderType=beyond).reshape(-1, votes.shape[2])
+    blurred = cv2.sepFilter2D(blurred, -1, kernel, np.ones(1), borderType=beyond)
+    return np.asarray(blurred, dtype=np.float64).reshape(votes.shape)
 
 
 def _peaks(votes: Float, count: int) -> Float:
     """(p, 3) bins of up to `count` local maxima, highest first; those of less than LEAST_PEAK are left out."""
-    rest = votes.copy()
+    rest, least = votes.copy(), LEAST_PEAK * votes.max()
     peaks: list[tuple[np.intp, ...]] = []
     while len(peaks) < count:
         peak = i, j, k = np.unravel_index(rest.argmax(), rest.shape)
-        if rest[peak] <= LEAST_PEAK * votes.max():
+        if rest[peak] <= least:
             break
         peaks.append(peak)
         rest[max(0, i - 2) : i + 3, max(0, j - 2) : j + 3, max(0, k - 2) : k + 3] = 0
@@ -186,7 +185,7 @@ def _modes(offsets: Float32, weights: Float32, shifts: Float, width: float) -> F
     """(p, 3) the modes of the vote near each of `shifts` (p, 3), by mean shift with a Gaussian kernel."""
     noise = (width * SHIFT_NOISE).astype(np.float32)
     votes, modes = offsets / noise, (shifts / noise).astype(np.float32)
-    squares = (votes**2).sum(axis=1)
+    squares = np.add.reduce([along**2 for along in votes.T])  # a tenth of the time of a sum over so short an axis
     for _ in range(3):
         away = squares - 2 * (modes @ votes.T) + (modes**2).sum(axis=1)[:, None]
         closeness = weights * np.exp(-0.5 * away)

@@ -99,7 +99,7 @@ def sheet_shadow_in(view: View) -> SheetShadow | None:
     view = view.taken or view
     if view.body is not None or view.page is not None:
         return None
-    luminance = (LINEAR_FROM_SRGB_8BIT[view.image_bgr] @ LUMINANCE_BGR).astype(np.float32)
+    luminance = (cv2.LUT(view.image_bgr, LINEAR_FROM_SRGB_8BIT) @ LUMINANCE_BGR).astype(np.float32)
     lines = _Lines(luminance, image_from_plane(view.camera, view.T_cam_marker), view.side_m)
     sheet = view.sheet
     edge = _edge_response(lines)

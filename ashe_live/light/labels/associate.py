@@ -96,8 +96,8 @@ def splits(
     unlit = region.unlit if flat is None else region.unlit & ~flat
     if materials.other_ground is not None:
         unlit = unlit & ~materials.other_ground
-    shadows = areas_by_size(like_shadow, LEAST_PX)[:shadows_tried]
-    roughs = [rough for shadow in shadows for rough in _splits_with(shadow, like_shadow, unlit | like_shadow)]
+    shadows, unlit = areas_by_size(like_shadow, LEAST_PX), large_areas(unlit | like_shadow, LEAST_AREA_PX)
+    roughs = [rough for shadow in shadows[:shadows_tried] for rough in _splits_with(shadow, like_shadow, unlit)]
     refined = (_classified(region, materials, rough) for rough in distinct(roughs, Split.is_like))
     return distinct((split for split in refined if split.is_large_enough), Split.is_like)
 
@@ -176,7 +176,7 @@ def _splits_with(shadow: Mask, like_shadow: Mask, unlit: Mask) -> list[Split]:
     If there are several objects, each gets the shadows that touch it. Other areas that look like shadow are tried both
     as more of the shadow (behind a handle, for example) and as the object's own dark side.
     """
-    area = overlapping(large_areas(unlit, LEAST_AREA_PX), shadow, 0.0)
+    area = overlapping(unlit, shadow, 0.0)
     more = large_areas(area & like_shadow, LEAST_OBJECT_PX) | shadow
     found = []
     for whole_shadow in (more, shadow) if (more & ~shadow).any() else (shadow,):

@@ -33,11 +33,11 @@ CLEARLY, NOT_SHADED = 6.0, 12.0  # squared distances, in units of the shift's no
 MOST_ASKED = 1000  # unlit pixels by which pairs of shifts are compared
 
 
-def ratio_of_both(ground: LitGround, first: Float, second: Float) -> Float:
-    """(3,) the shadow ratio where both lights are blocked, linear RGB, as contributions add up; none is below 0 where
-    shifts are exact.
+def ratio_of_both(first: Float, second: Float) -> Float:
+    """(3,) the shadow ratio where both lights are blocked, by those of each, linear RGB, as contributions add up; none
+    is below 0 where they are exact.
     """
-    return shadow_ratio(ground, first) + shadow_ratio(ground, second) - 1
+    return first + second - 1
 
 
 def likeliest_pairs(region: Region, ground: LitGround, shifts: Sequence[Float], count: int) -> list[tuple[int, int]]:
@@ -55,11 +55,11 @@ def likeliest_pairs(region: Region, ground: LitGround, shifts: Sequence[Float], 
         shaded = ground.palette.centres + shift.astype(np.float32)
         return np.minimum(nearest_squared_distance(colours, shaded, noise), NOT_SHADED)
 
-    alone = [missed(shift) for shift in shifts]
+    alone, ratios = [missed(shift) for shift in shifts], [shadow_ratio(ground, shift) for shift in shifts]
     found = []
     for i, j in combinations(range(len(shifts)), 2):
         exclusive = (np.count_nonzero((a < CLEARLY) & (a < b)) for a, b in ((alone[i], alone[j]), (alone[j], alone[i])))
-        ratio = ratio_of_both(ground, shifts[i], shifts[j])
+        ratio = ratio_of_both(ratios[i], ratios[j])
         if ratio.min() > LEAST_AMBIENT and min(exclusive) >= LEAST_ALONE * len(colours):
             together = missed(shift_of_ratio(ground, ratio))
             found.append((float(np.minimum(np.minimum(alone[i], alone[j]), together).mean()), (i, j)))
@@ -79,8 +79,8 @@ def materials_of_two(region: Region, ground: LitGround, first: Materials, second
     """
     if first.shift[0] > second.shift[0]:
         first, second = second, first
-    ratio = ratio_of_both(ground, first.shift, second.shift)
-    noise = SHIFT_NOISE[0] * np.hypot(*(shadow_ratio(ground, each.shift) for each in (first, second)))
+    ratios = [shadow_ratio(ground, each.shift) for each in (first, second)]
+    ratio, noise = ratio_of_both(*ratios), SHIFT_NOISE[0] * np.hypot(*ratios)
     if (ratio < -NOISE_SIGMAS * noise).any():
         return None
     both = shift_of_ratio(ground, np.maximum(ratio, LEAST_AMBIENT))

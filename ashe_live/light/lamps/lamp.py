@@ -24,8 +24,7 @@ from ashe_live.light.ground.glint import Glint
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.lamps.companions import companions
 from ashe_live.light.lamps.doubt import with_doubt
-from ashe_live.light.lamps.fall.fall_off import FallOff
-from ashe_live.light.lamps.fall.lit_samples import clear_of
+from ashe_live.light.lamps.fall.fall_off import fall_beside
 from ashe_live.light.lamps.hypotheses import LampHypotheses, is_held_near
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
 from ashe_live.light.lamps.mixture import PlaceMixture
@@ -43,7 +42,6 @@ from ashe_live.light.lamps.sources import (
     shadow_middle,
 )
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.predicted import predicted_of
 
 SURE_DEVIANCE = 60.0  # of a sun, from which on there is a lamp even without a slope of the ground's light: one overhead
 LEAST_SIGMAS = 3.0  # standard errors by which the nearness of a lamp must differ from 0, seen from a sun
@@ -117,8 +115,7 @@ def stated(
     first = scene.seen_object(explanation, confidence)
     if kind == SUN:
         return StatedExplanation(explanation, _as_suns(first, scene))
-    whole = predicted_of(explanation.lit, scene.view).whole
-    fall_off = FallOff.of(scene.view, scene.ground, clear_of(scene.unlit | whole))
+    fall_off = fall_beside(explanation.lit, scene.view, scene.ground, scene.unlit)
     seen = PlaceEvidence([first], ratios, fall_off, places_by_glints(scene.glints, first.place))
     place, from_sun = place_by_all(seen), place_seen_from_a_sun(seen)
     if kind == LAMP or _may_be_near(place):

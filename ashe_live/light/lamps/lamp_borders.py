@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, once_for_each
 from ashe_live.light.explanation.alignment import lights_as_lamps
 from ashe_live.light.explanation.explain import END_IN_VIEW
 from ashe_live.light.explanation.explanation import Explanation
@@ -25,6 +25,7 @@ class LampBorders:
     by_nearness: Float  # (2,) metres: the displacement s at the marker's centre by which a nearer light fits as well
 
 
+@once_for_each
 def lamp_borders(explanation: Explanation) -> list[LampBorders]:
     """For each light; all are about the explanation's own lights, whose displacement depends on their nearness.
 

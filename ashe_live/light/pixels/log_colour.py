@@ -21,7 +21,7 @@ FROM_OPPONENT = np.linalg.inv(OPPONENT)
 
 def is_exposed(image_bgr: Image) -> Mask:
     """(h, w) the pixels of a picture (h, w, 3) that are not saturated."""
-    return np.asarray(image_bgr.max(axis=2) < SATURATED)
+    return np.asarray(cv2.inRange(image_bgr, (0, 0, 0), (SATURATED - 1,) * 3) > 0)
 
 
 def log_opponent(image_bgr: Image, smoothing_px: float = 0.7) -> Float32:

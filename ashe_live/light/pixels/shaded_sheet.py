@@ -131,7 +131,7 @@ class _Paper:
     def partly_shaded(plane: _Plane, inner: Mask) -> "_Paper | None":
         """Of the sheet's inside (h, w); None where paper has one level, and where lit ink looks like shaded paper."""
         square, black, middle = (plane.area(np.full(4, half)) for half in (INK, *BORDER))
-        linear = LINEAR_FROM_SRGB_8BIT[plane.image_bgr]
+        linear = np.asarray(cv2.LUT(plane.image_bgr, LINEAR_FROM_SRGB_8BIT), dtype=np.float64)
         brightness = np.log(linear @ REC709_LUMINANCE[::-1] + DARKEST).astype(np.float32)
         margin, ink = inner & ~square, brightness[black & ~middle]
         levels = _two_levels(brightness[margin])

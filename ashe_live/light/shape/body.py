@@ -83,7 +83,7 @@ def members_of(several: Sequence[Body]) -> Members:
     return Members([one.family for one in several], padded([one.shape for one in several]))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class LitBody:
     """What a fit varies: a body, and the lights that cast its shadows."""
 

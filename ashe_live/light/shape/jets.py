@@ -48,14 +48,15 @@ def parameters(theta: Float, logs: Sequence[int] = (), fractions: Sequence[int] 
     between 0 and 1 by the logistic function. All others stand for themselves.
     """
     n, q = theta.shape
-    values, slopes = theta.copy(), np.ones((n, q))
-    if logs:
-        values[:, logs] = slopes[:, logs] = np.exp(_limited(theta[:, logs]))
-    if fractions:
-        share = 1 / (1 + np.exp(_limited(-theta[:, fractions])))
-        values[:, fractions], slopes[:, fractions] = share, share * (1 - share)
-    numbers, column = np.zeros((n, q, 1 + q)), np.arange(q)
-    numbers[..., 0], numbers[:, column, 1 + column] = values, slopes
+    numbers = np.zeros((n, q, 1 + q))
+    # Views of these: (n, q) the values, and the derivatives by the same column.
+    values, slopes = numbers[..., 0], numbers.reshape(n, -1)[:, 1 :: q + 2]
+    values[:], slopes[:] = theta, 1.0
+    for i in logs:
+        values[:, i] = slopes[:, i] = np.exp(_limited(theta[:, i]))
+    for i in fractions:
+        share = 1 / (1 + np.exp(_limited(-theta[:, i])))
+        values[:, i], slopes[:, i] = share, share * (1 - share)
     return [Jet(numbers[:, i : i + 1]) for i in range(q)]
 
 

@@ -27,8 +27,9 @@ NO_LIGHTS = at_infinity(np.empty((0, 3)))
 def shadow_projection(lights: Float) -> Float:
     """(..., 4, 4) the projections of homogeneous points onto the plane z = 0 by lights (..., 4) with positive z."""
     projection = np.zeros((*lights.shape[:-1], 4, 4))
-    projection[..., [0, 1, 3], [0, 1, 3]] = 1.0
-    projection[..., [0, 1, 3], 2] = -lights[..., [0, 1, 3]] / lights[..., 2:3]
+    projection[..., 0, 0] = projection[..., 1, 1] = projection[..., 3, 3] = 1.0
+    projection[..., 2] = -lights / lights[..., 2:3]
+    projection[..., 2, 2] = 0.0
     return projection
 
 

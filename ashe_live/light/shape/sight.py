@@ -1,6 +1,7 @@
 """A sight: a camera with its pose, as it sees bodies. Bodies are independent of it: many sights may see one body."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import BodyFrame
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Sight:
     """A camera without distortion, its pose, and the origin of pixel coordinates."""
 
@@ -23,7 +24,7 @@ class Sight:
         """The sight of a view, its pixels counted from the picture's corner."""
         return Sight(view.camera, view.T_cam_marker)
 
-    @property
+    @cached_property
     def P_marker(self) -> Float:
         """(3, 4) projection from the marker frame to pixels about `centre_px`."""
         P = self.camera.K @ self.T_cam_marker[:3]

@@ -138,6 +138,12 @@ def test_a_few_pixels_vote_for_nothing() -> None:
     assert shifts_of(here.ground, [], 5) == []
 
 
+def test_what_is_brighter_than_all_of_the_ground_votes_for_nothing() -> None:
+    here = painted_region(BOX)
+    brightest = np.full((100, 3), here.ground.palette.centres.max(axis=0) + 1, np.float32)
+    assert shifts_of(here.ground, [brightest], 5) == []
+
+
 def test_many_dark_pixels_elsewhere_do_not_outvote_a_small_shadow() -> None:
     lit, small, large = (log_opponent_of(np.array([0.5, 0.45, 0.4]) * part) for part in (1.0, 0.15, 0.5))
     near, everywhere = scattered(small, 100), np.concatenate([scattered(large, 6000), scattered(small, 100)])

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import GOLDEN_ANGLE_RAD, Float, Float32, Mask, unit_circle
+from ashe_live.core.arrays import GOLDEN_ANGLE_RAD, Float, Float32, Mask, median, unit_circle
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.explanation.judgement.context import reach_m
 from ashe_live.light.pixels.areas import distance_to
@@ -97,9 +97,9 @@ def _sky_in_view(proxy: Proxy, view: View) -> Float32:
     distance, turn = np.sqrt((np.arange(SKY) + 0.5) / SKY), GOLDEN_ANGLE_RAD * np.arange(SKY)
     directions = np.column_stack([distance * np.cos(turn), distance * np.sin(turn), np.sqrt(1 - distance**2)])
     points, shape = proxy.points_marker(AROUND), view.is_ground.shape
-    hidden = np.zeros(shape, np.float32)
+    hidden = np.zeros(shape, np.uint8)
     for light in at_infinity(directions):
-        hidden += painted([shadow_outline(view.camera, view.T_cam_marker, points, light)], shape).body
+        hidden += painted([shadow_outline(view.camera, view.T_cam_marker, points, light)], shape).body.view(np.uint8)
     return np.asarray(1 - hidden / SKY, np.float32)
 
 
@@ -127,11 +127,13 @@ def _scatter(brightness: Float32, core: Mask, is_lit: Mask) -> float:
     """
     rows, columns = np.nonzero(core)
     height, width = core.shape
+    core_px, brightness, is_lit = rows * width + columns, brightness.ravel(), is_lit.ravel()
     medians = []
     for down in np.linspace(-rows.min(), height - 1 - rows.max(), PLACES).astype(int):
         for right in np.linspace(-columns.min(), width - 1 - columns.max(), PLACES).astype(int):
-            place = rows + down, columns + right
+            place = core_px + (down * width + right)
             lit = brightness[place][is_lit[place]]
             if len(lit) >= LIT_SHARE * len(rows):
-                medians.append(np.median(lit))
-    return float(np.subtract(*np.quantile(medians, (0.84, 0.16))) / 2) if len(medians) > 1 else 0.0
+                medians.append(median(lit))
+    spread = np.subtract(*np.quantile(np.array(medians, np.float32), (0.84, 0.16))) if len(medians) > 1 else 0.0
+    return float(spread / 2)

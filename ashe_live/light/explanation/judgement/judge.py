@@ -14,7 +14,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Mask, once_for_each
 from ashe_live.core.light import Light
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import TrackedFrame
@@ -164,9 +164,14 @@ def split_features(region: Region, materials: Materials, split: Split) -> Mappin
 
 def explanation_features(explanation: Explanation, context: Context = NO_CONTEXT) -> Mapping[str, float]:
     """The features of an explanation: its `evidence`, how well it constrains the direction, and its context's."""
+    return {**_own_features(explanation), **context_features(explanation, context)}
+
+
+@once_for_each
+def _own_features(explanation: Explanation) -> Mapping[str, float]:
+    """Those that do not depend on the context."""
     is_good = min(probability_of_good(covariance_of_outlines(light.covariance_rad2)) for light in explanation.lights)
-    constrained = math.log(max(is_good, LEAST_GOOD))
-    return {**evidence(explanation), "constrained": constrained, **context_features(explanation, context)}
+    return {**evidence(explanation), "constrained": math.log(max(is_good, LEAST_GOOD))}
 
 
 def probability_of_good(covariance_rad2: Float) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import FRACTION_BITS, Float, Float32, Mask, fixed_point
+from ashe_live.core.arrays import FRACTION_BITS, Float, Float32, Mask, fixed_point, median
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre, project
 from ashe_live.light.ground.regions import Region
@@ -77,7 +77,7 @@ def _sunlit(brightness: Float, by_sky: Float, by_light: Float) -> float:
 
 def _spread(values: Float) -> float:
     """Mean absolute deviation from the median, which few outliers hardly change."""
-    return float(np.abs(values - np.median(values)).mean())
+    return float(np.abs(values - median(values)).mean())
 
 
 def _irradiances(

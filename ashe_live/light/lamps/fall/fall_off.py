@@ -14,13 +14,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Mask, once_for_each
 from ashe_live.core.transforms import camera_centre
 from ashe_live.light.ground.gloss import Gloss, mirrored, mirrored_and_slopes
 from ashe_live.light.ground.lit_ground import LitGround, as_taken
 from ashe_live.light.ground.slow_shading import LEAST_LIGHT, irradiances, log_irradiance
-from ashe_live.light.lamps.fall.lit_samples import CONTRAST, LitSamples
+from ashe_live.light.lamps.fall.lit_samples import CONTRAST, LitSamples, clear_of
 from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.body import LitBody
+from ashe_live.light.shape.predicted import predicted_of
 
 # Sigmas of what a picture in a hundred shows and no lamp causes, beside what all show (`lit_samples`): sheen towards
 # the light, bumps of a rough ground in low light, a shadow's soft rim, tone mapping that differs from place to place.
@@ -133,6 +135,15 @@ class FallOff:
         return np.asarray(cost.reshape(-1, len(parameters)).min(axis=0))
 
 
+@once_for_each
+def fall_beside(lit: LitBody, view: View, ground: LitGround, unlit: Mask) -> FallOff | None:
+    """That over the lit ground away from a body with its shadows, and from what else of the view is `unlit` (h, w).
+
+    As `FallOff.of`.
+    """
+    return FallOff.of(view, ground, clear_of(unlit | predicted_of(lit, view).whole))
+
+
 class _Known(NamedTuple):
     """What all lights are compared with: the unevenness of n samples and their brightness."""
 
@@ -141,6 +152,7 @@ class _Known(NamedTuple):
     explained: Float  # (c, 6) as what can be fitted along
 
     @staticmethod
+    @once_for_each
     def of(samples: LitSamples) -> "_Known":
         values = np.column_stack([samples.uneven, samples.brightness])
         return _Known(values, samples.gram(values), samples.weighted(values)[1])

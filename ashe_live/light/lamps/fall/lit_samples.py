@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import SIGMA_OVER_MAD, Float, Mask
+from ashe_live.core.arrays import SIGMA_OVER_MAD, Float, Mask, median
 from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.surfaces import areas_of, surfaces
@@ -36,7 +36,7 @@ ROBUST_ROUNDS = 6
 LEAST_NOISE = 0.01  # of log brightness
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class LitSamples:
     """The log brightness of lit ground, and what beside a lamp may cause it."""
 
@@ -140,7 +140,7 @@ def _robust_weights(brightness: Float, fitted: Float, cells: NDArray[np.intp], s
         weighted = fitted * weights[:, None]
         ridge = 1e-6 * np.eye(fitted.shape[1])
         rest = brightness - fitted @ np.linalg.solve(weighted.T @ fitted + ridge, weighted.T @ brightness)
-        noise = SIGMA_OVER_MAD * float(np.median(np.abs(rest))) + LEAST_NOISE
+        noise = SIGMA_OVER_MAD * median(np.abs(rest)) + LEAST_NOISE
         weights = 1 / (1 + (rest / (2 * noise)) ** 2)
     bread = np.linalg.inv((fitted * weights[:, None]).T @ fitted + 1e-6 * np.eye(fitted.shape[1]))
     scores = fitted * (weights * rest)[:, None]

@@ -18,12 +18,10 @@ from ashe_live.light.explanation.judgement.judge import logit
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.slow_shading import irradiances
 from ashe_live.light.lamps.fall.fall_directions import EVERY, INFORMATIVE_DEVIANCE, UNEVEN_DEVIANCE, FallDirections
-from ashe_live.light.lamps.fall.fall_off import FallOff
-from ashe_live.light.lamps.fall.lit_samples import clear_of
+from ashe_live.light.lamps.fall.fall_off import FallOff, fall_beside
 from ashe_live.light.lamps.hypotheses import NEARNESSES
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import lamp_parameters
-from ashe_live.light.shape.predicted import predicted_of
 
 HEIGHTS = (1.0, 0.7, 0.5)  # of the lamps that are tried, over the object's height
 LOWEST_M = 0.04  # of these lamps: no bulb fits below
@@ -46,7 +44,7 @@ def is_under_low_lamp(explanation: Explanation, confidence: float, view: View, g
     if len(explanation.lights) > 1:
         return False
     lit = explanation.lit
-    fall_off = FallOff.of(view, ground, clear_of(unlit | predicted_of(lit, view).whole))
+    fall_off = fall_beside(lit, view, ground, unlit)
     if fall_off is None:
         return False
     lights = np.vstack([lit.lights[:1], lit.first_light_near((0.0, *NEARNESSES))])
