@@ -154,7 +154,7 @@ STATED = {
     ),
     "auto's way down": (
         "docs/rendering.md",
-        "by the median time of {} frames, or of {} or more that took {:g} s together: down when it is above {:g} of the",
+        "by the median time of {} frames, or of {} or more that took {:g} s together: down when it is above {:g}",
         (WINDOW_FRAMES, SLOW_FRAMES, SLOW_MS / 1000, TOO_SLOW),
     ),
     "auto's way up": (
