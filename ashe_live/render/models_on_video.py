@@ -9,7 +9,6 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera, Size
-from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.compositing.composite import Composite, Footage
 from ashe_live.render.compositing.lens import Lens
@@ -71,8 +70,8 @@ class ModelsOnVideo:
     def looked_up(self) -> LookedUp:
         return LookedUp(self.shadows, self._ground_shadows, self._environment)
 
-    def follow_real_object(self, proxy: Proxy | None, seen_in: TrackedFrame | None, waits: bool) -> None:
-        if self.layers.follow_real_object(proxy, seen_in, waits):
+    def follow_real_object(self, scene: Scene, waits: bool) -> None:
+        if self.layers.follow_real_object(scene.real_object, scene.object_seen_in, scene.object_lit_by, waits):
             self.shadows.forget()
 
     def forget_models(self) -> None:
@@ -180,7 +179,8 @@ class ModelsOnVideo:
         """Prepares shadows, the cover and the ground that catches them; returns what covers the marker's sheet."""
         casters = models.casters(lighting, self.layers.real is not None)
         self.shadows.render(casters, lighting, self.layers.real)
-        self._ground_shadows.render(self.shadows, lighting)
+        real = self.layers.real
+        self._ground_shadows.render(self.shadows, lighting, None if real is None else real.seen_shadows)
         cover = self.layers.follow_sheet(scene, waits)
         self.layers.catcher.fit(models, lighting, self.shadows, _covered(cover))
         self.layers.catcher.follow(models, lighting, self._ground_shadows)

@@ -119,7 +119,7 @@ class SceneRenderer:
         appear in a later picture, once they are ready.
         """
         self._follow_models([model for model, _ in scene.models], waits)
-        self._models_on_video.follow_real_object(scene.real_object, scene.object_seen_in, waits)
+        self._models_on_video.follow_real_object(scene, waits)
         if scene.tracked is None:
             self._surface.colour.clear()
         else:
