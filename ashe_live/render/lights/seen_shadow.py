@@ -36,6 +36,7 @@ BLUR = 0.8  # of the picture, texels, before colours are compared
 COARSER = 4  # texels in one of the histogram's map
 UNEXPLAINED = 0.02  # likelihood, over that of the commonest ground, of what is seen nowhere beside the shadow
 SMOOTHED, CLEAR = 1.2, 1.0  # the odds' smoothing, texels, and from which log odds on they count
+CONNECTED = 0.3  # the same for what is connected with the body's shadow, and goes on beyond it
 LEAST_TEXELS = 1.5  # what is narrower than twice this, as a joint, is no part of a shadow, nor a gap in it
 # Of what is seen of the body's shadow so much must look dark, and more of it than looks lit, or it is not that shadow.
 LEAST_SHARE = 0.25
@@ -97,7 +98,7 @@ def _seen_shadow(
     clearly_dark = (inside & (odds < -CLEAR)).sum()
     if clearly_dark < max(LEAST_SHARE * inside.sum(), lit.sum()):
         return None
-    shaded = _without_lines((near & (odds < -CLEAR)) | shadow) & near & ~shadow
+    shaded = _without_lines((near & (odds < -CONNECTED)) | shadow) & near & ~shadow
     shaded &= _connected(shaded | dark, dark)
     values = np.stack([np.where(shaded | (shadow & ~lit), 0.0, 1.0), (lit | shaded).astype(np.float64)], axis=2)
     # What is told counts up to the border of what the body says.
@@ -141,9 +142,9 @@ class _Plane:
         texels = np.stack([*np.meshgrid(*axes), np.zeros(count[::-1])], axis=2).reshape(-1, 3)
         in_front = texels @ T_cam_marker[2, :3] + T_cam_marker[2, 3] > 1e-3
         texels = np.where(in_front[:, None], texels, corners[0])
-        pixels = project_distorted(camera, T_cam_marker, texels)
-        pixels = np.where(in_front[:, None], pixels, -1e4).reshape(*count[::-1], 2)
-        pixels = np.asarray(pixels, np.float32)
+        at = project_distorted(camera, T_cam_marker, texels)
+        at = np.where(in_front[:, None], at, -1e4).reshape(*count[::-1], 2)
+        pixels = np.asarray(at, np.float32)
         blur_px = 0.5 * texel_m / np.sqrt(area_m2 / area_px)
         image = seen_in.frame.image_bgr
         blurred = cv2.GaussianBlur(image, (0, 0), blur_px) if blur_px > 0.75 else image

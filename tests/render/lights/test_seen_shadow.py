@@ -42,6 +42,10 @@ def _cast(points: np.ndarray, light) -> np.ndarray:
     return points[:, :2] - points[:, 2:] * to_light[:2] / to_light[2]
 
 
+# Narrower than the object.
+NARROW = Proxy("box", BODY.spheroids_marker * (0.6, 1, 1, 1, 1))
+
+
 def _filled(hull_px: np.ndarray, shape: tuple[int, int], finer: int = 1) -> np.ndarray:
     """(h, w) bool: the pixels, or so many times finer ones, within the convex hull of pixels (n, 2)."""
     mask = np.zeros((shape[0] * finer, shape[1] * finer), np.uint8)
@@ -95,6 +99,8 @@ class Painted:
         self.at = ground_at(1).reshape(height, width, 2)
         beside = cv2.dilate(_filled(seen(BODY.points_marker()), shape).astype(np.uint8), np.ones((13, 13))) == 0
         shaded = np.any([_filled(cast(part), shape) for part in parts], axis=0).astype(np.uint8)
+        narrow = cv2.dilate(_filled(cast(NARROW.points_marker()), shape).astype(np.uint8), np.ones((3, 3)))
+        self.beyond_narrow = beside & (cv2.erode(shaded, np.ones((5, 5))) > 0) & (narrow == 0)
         inner = np.ones((9, 9), np.uint8)  # four pixels from the shadow's border
         self.in_shadow = beside & (cv2.erode(shaded, inner) > 0)
         self.in_notch = beside & _filled(cast(BODY.points_marker()), shape) & (cv2.dilate(shaded, inner) == 0)
@@ -139,6 +145,15 @@ def _shaded(renderer, stage, painted: Painted, light, body: Proxy) -> np.ndarray
     wall = stage.placed(box((0.01, 0.5, 0.25)))
     scene = Scene(painted.tracked, wall, lit, placement=Placement(shift_m=(-0.12, 0.06)), shows_model=False)
     return stage.picture(renderer, scene).astype(int)
+
+
+@pytest.mark.parametrize("kind", GROUNDS)
+def test_shadow_beside_that_of_a_body_that_is_too_narrow_is_seen(stage, sun, kind: str) -> None:
+    painted = Painted(stage, kind, sun)
+    (shadow,) = seen_shadows(NARROW, painted.tracked, (sun,))
+    share, told = _told(shadow, painted.at)
+    assert painted.beyond_narrow.sum() > 100
+    assert (((1 - share) * told)[painted.beyond_narrow] > 0.5).mean() > 0.8
 
 
 @pytest.mark.parametrize(("quality", "kind"), in_turns((kind,) for kind in GROUNDS))
