@@ -32,6 +32,7 @@ OBJECT_PX = 3  # around the body in the picture, where the object itself may be
 BRIGHTNESS_STEP, HUE_STEP = 0.06, 0.1  # of the histogram, in logarithms of light and of red over blue
 MOST_STEPS = 40
 FLOOR = 0.02  # share of the lit ground's light that is added before a logarithm is taken
+DARKEST = 1e-5  # that is added at least, as ground may be black
 BLUR = 0.8  # of the picture, texels, before colours are compared
 COARSER = 4  # texels in one of the histogram's map
 UNEXPLAINED = 0.02  # likelihood, over that of the commonest ground, of what is seen nowhere beside the shadow
@@ -187,7 +188,7 @@ def _ground_at(seen_in: TrackedFrame, pixels: Float) -> Float:
 def _log_odds_of_light(linear_rgb: NDArray[np.float32], ground: Mask, ratio: Float, spread: float) -> Float:
     """(h, w) of lit ground like that in the mask `ground` against the same times a ratio (3,)."""
     smooth = cv2.GaussianBlur(linear_rgb, (0, 0), BLUR)
-    logs = np.log(np.maximum(smooth, 0) + FLOOR * smooth[ground].mean(axis=0))
+    logs = np.log(smooth + np.maximum(FLOOR * smooth[ground].mean(axis=0), DARKEST))
     ratio_log = np.log(np.clip(ratio, 0.01, 1.0))
     weights = REC709_LUMINANCE, np.array([1.0, 0.0, -1.0])
     features = np.stack([logs @ each for each in weights], axis=2)

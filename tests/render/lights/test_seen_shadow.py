@@ -190,6 +190,9 @@ def test_nothing_is_said_where_no_shadow_is_seen_nor_of_a_mesh_nor_of_an_unmeasu
     painted = Painted(stage, "plain", sun)
     assert seen_shadows(BODY, Painted(stage, "plain", sun, casts=False).tracked, (sun,)) == ()
     assert seen_shadows(_stepped(), painted.tracked, (sun,)) == ()
+    for level in (0, 255):
+        even = np.full_like(painted.tracked.frame.image_bgr, level)
+        assert seen_shadows(BODY, replace(painted.tracked, frame=Frame(even, 0, 0.0)), (sun,)) == ()
     assert seen_shadows(BODY, painted.tracked, (replace(sun, shadow_rgb_ratio=None),)) == ()
     assert seen_shadows(BODY, None, (sun,)) == ()
     assert seen_shadows(BODY, replace(painted.tracked, marker=None), (sun,)) == ()
