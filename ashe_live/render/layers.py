@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import moderngl
 
+from ashe_live.core.light import Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.cover.marker_cover import MarkerCover
@@ -44,20 +45,22 @@ class LayerPasses:
         self._drawn_bodies = DrawnBodyMaker()
         self._programs = programs
 
-    def follow_real_object(self, proxy: Proxy | None, seen_in: TrackedFrame | None, waits: bool) -> bool:
-        """Readies the real object that is there now; whether there was another one. `seen_in`: as of RealObject.
+    def follow_real_object(
+        self, proxy: Proxy | None, seen_in: TrackedFrame | None, lights: tuple[Light, ...], waits: bool
+    ) -> bool:
+        """Readies the real object that is there now; whether there was another one. `seen_in`, `lights`: `read_body`.
 
-        `waits`: for its outline, if it takes long; else the former one stays until that is found.
+        `waits`: for its outline and shadows, if they take long; else the former one stays until they are found.
         """
         former = self.real
         if former is not None and former.proxy is proxy and former.seen_in is seen_in:
             return False
         real = None
         if proxy is not None:
-            surface = self._drawn_bodies.surface(proxy, seen_in, waits)
-            if surface is None:
+            read = self._drawn_bodies.body(proxy, seen_in, lights, waits)
+            if read is None:
                 return False
-            real = RealObject(self._ctx, self._programs, proxy, seen_in, surface)
+            real = RealObject(self._ctx, self._programs, proxy, seen_in, read)
         self.real = real
         if former is not None:
             former.release()
@@ -92,7 +95,7 @@ class LayerPasses:
             self.model_pass.draw_blended(models, inputs)
 
     def release(self) -> None:
-        self.follow_real_object(None, None, waits=True)
+        self.follow_real_object(None, None, (), waits=True)
         self._drawn_bodies.release()
         self.catcher.release()
         if not self._is_beside:

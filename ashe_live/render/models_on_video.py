@@ -174,11 +174,13 @@ class ModelsOnVideo:
     def _prepared(self, models: StandingGroup, scene: Scene, lighting: Lighting, waits: bool) -> MarkerCover | None:
         """Prepares real object, shadows and the ground that catches them; returns what covers the marker's sheet."""
         cover = self.layers.follow_sheet(scene, waits)
-        if self.layers.follow_real_object(scene.real_object(cover is not None), scene.object_seen_in, waits):
+        real_object = scene.real_object(cover is not None)
+        if self.layers.follow_real_object(real_object, scene.object_seen_in, scene.object_lit_by, waits):
             self.shadows.forget()
         casters = models.casters(lighting, self.layers.real is not None)
         self.shadows.render(casters, lighting, self.layers.real)
-        self._ground_shadows.render(self.shadows, lighting)
+        real = self.layers.real
+        self._ground_shadows.render(self.shadows, lighting, None if real is None else real.seen_shadows)
         self.layers.catcher.fit(models, lighting, self.shadows, _covered(cover))
         self.layers.catcher.follow(models, lighting, self._ground_shadows)
         return cover

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from ashe_live.core.arrays import Image, frozen_view, set_frozen
-from ashe_live.core.light import Illumination
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
@@ -97,3 +97,8 @@ class Scene:
         """The frame that shows the real object where it stands; None: there is none, or it stood elsewhere then."""
         read = self.illumination.as_read or self.illumination
         return read.seen_in if read.real_object is self.illumination.real_object else None
+
+    @property
+    def object_lit_by(self) -> tuple[Light, ...]:
+        """The lights in which the real object's shadows lie in the frame that shows it."""
+        return (self.illumination.as_read or self.illumination).lights

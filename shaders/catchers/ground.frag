@@ -16,7 +16,8 @@ const float RIM_PX = 2.5;  // error of the real shadow's outline
 const float MATTERS = 0.02;  // share of the sky or of a light that the model takes, below which errors are not seen
 const float BORDER_PX = 2.0;  // distance from inside a shadow's border to lit ground
 const float NEAR_SHADOW = 1.0 / 16.0;  // share of a light that the real object takes close to the border of its shadow
-const float FAR_RIM = 0.012;  // the outline's error with a poor proxy, as a fraction of the picture's width
+// How far off the outline may be with a poor proxy, as a share of the picture's width; 0 where it follows the picture.
+uniform float outline_error[LIGHTS];
 // Cosine of the angle between the light and where the ground becomes lighter, from which on a shadow's outline is its foot.
 const vec2 FOOT = vec2(0.15, 0.45);
 #endif
@@ -63,7 +64,7 @@ float lit_past_real(int light, float covered, bool matters) {
     float known = lit_on_ground(GROUPS, light, ground);
     vec2 across = dFdx(ground), along = dFdy(ground);
     float least = known, most = known, far = known;
-    float far_px = FAR_RIM * viewport.z;
+    float far_px = max(outline_error[light] * viewport.z, RIM_PX);
     vec2 rises = vec2(0.0);  // how the light changes along both axes of the picture
     for (int side = matters ? -1 : 3; side <= 1; side += 2) {
         vec2 beside = vec2(lit_on_ground(GROUPS, light, ground + side * RIM_PX * across),

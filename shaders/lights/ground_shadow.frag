@@ -6,6 +6,11 @@
 
 uniform int caster;
 uniform int light;
+#ifdef SEEN
+// What a picture says of the shadow: the share of the light that arrives, and how far it says so.
+uniform sampler2D seen_shadow;
+uniform vec4 seen_bounds;  // lower x, y and upper x, y of it; metres, marker frame
+#endif
 
 in vec3 ground;
 out vec2 lit;  // and for smoothed_shadow.frag the penumbra's radius across the light in metres; 0 where there is none
@@ -23,4 +28,8 @@ void main() {
     vec2 radius_m = blockers.radius_m * sqrt(1.0 - share_smoothed(blockers.radius_m));
     vec2 radius = max(vec2(LEAST_RADIUS), radius_m * shadow_map_size / shadow_extent[map].xy);
     lit = vec2(lit_fraction(map, at, NOT_IN_MAP, ray, blockers, radius), is_penumbra(blockers) ? blockers.radius_m : 0.0);
+#ifdef SEEN
+    vec2 seen = texture(seen_shadow, (ground.xy / ground.z - seen_bounds.xy) / (seen_bounds.zw - seen_bounds.xy)).rg;
+    lit.r = mix(lit.r, seen.r, seen.g);
+#endif
 }

@@ -37,4 +37,5 @@ UNIT_OF = {
     "ground_mean": 0,
     "silhouette": 2,
     "noisy_shadow": 12,
+    "seen_shadow": 13,
 }

@@ -18,6 +18,7 @@ from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.lighting import Lighting
+from ashe_live.render.lights.seen_shadow_maps import SeenShadowMap, SeenShadowMaps
 from ashe_live.render.lights.shadow_maps import NOTHING_SEEN, LightBox, ShadowMaps, tile_corners
 
 # A penumbra wider than this share of the caster is cut off, but a narrow one's tile may be as wide as it is long.
@@ -27,6 +28,7 @@ SMOOTHED_SHARE = 0.2
 COARSEST = 4  # texels a side of a tile in the last level of its pyramid
 RIM_TEXELS = 2  # lit texels around the penumbra in a tile
 PENUMBRA_SPARE = 1.1  # the penumbra that a tile has room for over its box's: that of a caster a tenth higher
+OUTLINE_ERROR = 0.012  # of the real object's shadow as its body casts it, as a share of the picture's width
 
 
 class GroundShadows:
@@ -45,35 +47,52 @@ class GroundShadows:
         self._drawn = 0
         self.group_count = 1  # of the casters that its texture holds, those that are models
         self._uniforms: dict[str, Float] = {}
+        # (lights,) how far the real object's shadow may end elsewhere, as a share of the picture's width.
+        self.outline_errors: Float = np.zeros(0)
 
-    def render(self, shadows: ShadowMaps, lighting: Lighting) -> None:
-        """Filters the depth maps if these have changed."""
+    def render(self, shadows: ShadowMaps, lighting: Lighting, seen: SeenShadowMaps | None = None) -> None:
+        """Filters the depth maps if these have changed. `seen`: where a picture shows the real object's shadows."""
         if self._drawn == shadows.renders or not lighting.lights:
             return
         self._drawn, self.group_count = shadows.renders, shadows.group_count
         boxes = shadows.boxes
-        tiles_from_marker = [_tile_from_marker(box, self._size) for box in boxes]
+        seen_maps = self._seen_maps(len(boxes), lighting, seen)
+        spares = [0.0 if each is None else each.shadow.reach_m for each in seen_maps]
+        tiles_from_marker = [
+            _tile_from_marker(box, self._size, spare) for box, spare in zip(boxes, spares, strict=True)
+        ]
         corners = tile_corners(len(boxes)) * self._size
         width, height = corners.max(axis=0) + self._size
         self._texture, framebuffer = self._canvas.of_size((int(width), int(height)))
-        program = self._programs.get(
-            "lights/ground_shadow",
-            **shadows.constants
-            | {"casters": len(boxes) // len(lighting.lights), "blocker_taps": self._preset.blocker_taps},
-        )
-        shadows.bind(program)
+        casters = {"casters": len(boxes) // len(lighting.lights), "blocker_taps": self._preset.blocker_taps}
         framebuffer.clear(1.0)
         self._ctx.enable_only(moderngl.NOTHING)
         for number, (box, corner, tile_from_marker) in enumerate(zip(boxes, corners, tiles_from_marker, strict=True)):
             if box.unit_from_marker is not NOTHING_SEEN:
+                seen_map = seen_maps[number]
+                program = self._programs.get(
+                    "lights/ground_shadow", **shadows.constants | casters | {"seen": seen_map is not None}
+                )
+                shadows.bind(program)
+                if seen_map is not None:
+                    seen_map.texture.use(UNIT_OF["seen_shadow"])
+                    set_uniforms(program, seen_bounds=tuple(map(float, seen_map.shadow.bounds)))
                 caster, light = divmod(number, len(lighting.lights))
                 ground = _ground_from_tile(tile_from_marker)
                 set_uniforms(program, marker_from_tile=ground, caster=caster, light=light)
-                self._draw_tile(program, framebuffer, (int(corner[0]), int(corner[1])), box)
+                self._draw_tile(program, framebuffer, (int(corner[0]), int(corner[1])), box, spares[number])
         # A wall gets light from shaded and lit ground at once.
         self._texture.build_mipmaps(0, self._levels)
         self._uniforms = self._places(tiles_from_marker, corners, np.array(framebuffer.size, dtype=np.float64))
         self._uniforms["light_point"] = lighting.light_points
+        is_seen = [each is not None for each in seen_maps[-len(lighting.lights) :]]
+        self.outline_errors = np.where(is_seen, 0.0, OUTLINE_ERROR)
+
+    def _seen_maps(self, count: int, lighting: Lighting, seen: SeenShadowMaps | None) -> list[SeenShadowMap | None]:
+        """For each of `count` tiles: those of the real object, if there is one, are the last."""
+        real = [None if seen is None else seen.of(light.homogeneous) for light in lighting.lights]
+        of_models = self.group_count * len(real)
+        return [None] * of_models + real[: count - of_models]
 
     def _places(self, tiles_from_marker: Sequence[Float], corners: Float, texture_size: Float) -> dict[str, Float]:
         """The uniforms by which shaders look up the tiles at corners (n, 2), in texels of a texture of a size (2,)."""
@@ -90,12 +109,17 @@ class GroundShadows:
         }
 
     def _draw_tile(
-        self, program: moderngl.Program, onto: moderngl.Framebuffer, corner: tuple[int, int], box: LightBox
+        self,
+        program: moderngl.Program,
+        onto: moderngl.Framebuffer,
+        corner: tuple[int, int],
+        box: LightBox,
+        spare_m: float,
     ) -> None:
         """The tile of a box, at `corner` in texels; with a wide penumbra it is drawn apart, then averaged there."""
         is_averaged = _is_wide(box, self._preset)
         smoothing = {
-            "texels_per_m": self._size / (box.extent[:2] * (1 + 2 * _beyond(box, self._size))),
+            "texels_per_m": self._size / (box.extent[:2] * (1 + 2 * _beyond(box, self._size, spare_m))),
             "smoothed_share": SMOOTHED_SHARE if is_averaged else 0.0,
         }
         set_uniforms(program, **smoothing)
@@ -133,18 +157,19 @@ class GroundShadows:
         self._canvas.release()
 
 
-def _tile_from_marker(box: LightBox, size: int) -> Float:
+def _tile_from_marker(box: LightBox, size: int, spare_m: float = 0.0) -> Float:
     """(4, 4) projective: from the marker frame to the tile of a box, [0, 1], of `size` texels a side."""
-    beyond = _beyond(box, size)
+    beyond = _beyond(box, size, spare_m)
     return np.asarray(translated_and_scaled((*beyond, 0), (*(1 / (1 + 2 * beyond)), 1)) @ box.unit_from_marker)
 
 
-def _beyond(box: LightBox, size: int) -> Float:
+def _beyond(box: LightBox, size: int, spare_m: float = 0.0) -> Float:
     """(2,) by how much a tile of `size` texels a side is larger than its box on each side, as a share of that.
 
-    Besides the penumbra, it has a rim of RIM_TEXELS lit texels.
+    Besides the penumbra, and what a shadow may reach beyond its body's, it has a rim of RIM_TEXELS lit texels.
     """
-    return np.asarray((_penumbra_shares(box) + RIM_TEXELS / size) / (1 - 2 * RIM_TEXELS / size))
+    reaches = _penumbra_shares(box) + spare_m / box.extent[:2]
+    return np.asarray((reaches + RIM_TEXELS / size) / (1 - 2 * RIM_TEXELS / size))
 
 
 def _penumbra_shares(box: LightBox) -> Float:

@@ -81,7 +81,7 @@ class ShadowCatcher:
         soft_border = ground.border_px >= LEAST_BORDER_PX
         constants = {**lighting.constants, "groups": groups, "casters": casters, "soft_border": soft_border}
         ground.video.bind()
-        uniforms = _uniforms(inputs, ground)
+        uniforms = _uniforms(inputs, ground) | {"outline_error": shadows.outline_errors}
         # Behind a model that is flat on the ground.
         self._ctx.polygon_offset = 1.0, 1.0
         self._ctx.enable_only(moderngl.DEPTH_TEST)

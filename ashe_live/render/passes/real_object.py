@@ -12,8 +12,9 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.render.gl.framing import Framing
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.lights.lighting import Lighting
+from ashe_live.render.lights.seen_shadow_maps import SeenShadowMaps
 from ashe_live.render.lights.shadow_maps import ShadowMaps
-from ashe_live.render.occlusion.drawn_body import Triangles
+from ashe_live.render.occlusion.drawn_body_maker import ReadBody
 
 GL_DEPTH_CLAMP = 0x864F
 
@@ -21,8 +22,8 @@ GL_DEPTH_CLAMP = 0x864F
 class RealObject:
     """A proxy on the graphics card, which is a ShadowCaster.
 
-    It casts the shadows of the body as it was fitted, with which the shadow in the picture agrees; it is drawn where
-    the object's outline is.
+    It casts the shadows of the body as it was fitted, with which the shadow in the picture agrees; on the ground they
+    are where the picture clearly shows them. It is drawn where the object's outline is.
     """
 
     is_clear = False
@@ -33,16 +34,17 @@ class RealObject:
         programs: Programs,
         proxy: Proxy,
         seen_in: TrackedFrame | None,
-        drawn: Triangles,
+        read: ReadBody,
     ) -> None:
-        """`seen_in`: a frame that shows the object where the proxy stands. `drawn`: its `drawn_surface` there."""
+        """`seen_in`: a frame that shows the object where the proxy stands. `read`: what it says of it."""
         self.proxy, self.seen_in = proxy, seen_in
         self.points, triangles = proxy.surface()
-        self.drawn_points, drawn_triangles = drawn
+        self.drawn_points, drawn_triangles = read.surface
         self._programs = programs
         self._ctx = ctx
         self._casting = _Surface(ctx, self.points, triangles)
         self._drawn = _Surface(ctx, self.drawn_points, drawn_triangles)
+        self.seen_shadows = SeenShadowMaps(ctx, read.shadows)
 
     def render_depth(self, clip_from_marker: Float) -> None:
         program = self._programs.get("lights/depth")
@@ -90,6 +92,7 @@ class RealObject:
     def release(self) -> None:
         self._casting.release()
         self._drawn.release()
+        self.seen_shadows.release()
 
 
 class _Surface:

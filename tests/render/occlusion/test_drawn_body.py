@@ -127,12 +127,12 @@ def test_window_does_not_wait_for_an_outline_and_shows_the_former_object_until_i
 
     first, skipped, last = _cup(0.94), _cup(0.96), _cup(1.05)
     assert drawn_after(first) is None
-    layers._drawn_bodies._coming.surface.result()
+    layers._drawn_bodies._coming.body.result()
     assert drawn_after(first) is first
     assert drawn_after(skipped) is first
-    layers._drawn_bodies._coming.surface.result()
+    layers._drawn_bodies._coming.body.result()
     assert drawn_after(last) is first, "what was found is of another body"
-    layers._drawn_bodies._coming.surface.result()
+    layers._drawn_bodies._coming.body.result()
     assert drawn_after(last) is last
     assert np.array_equal(layers.real.drawn_points, drawn_surface(last, tracked)[0])
 

@@ -1,0 +1,39 @@
+"""The real object's shadows as a picture shows them, on the graphics card."""
+
+from typing import NamedTuple
+
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.render.lights.seen_shadow import SeenShadow
+
+
+class SeenShadowMap(NamedTuple):
+    """One light's."""
+
+    shadow: SeenShadow
+    texture: moderngl.Texture  # two channels, rows by y; with a rim in which nothing is told
+
+
+class SeenShadowMaps:
+    """Those of one real object."""
+
+    def __init__(self, ctx: moderngl.Context, shadows: tuple[SeenShadow, ...]) -> None:
+        self._maps = tuple(SeenShadowMap(shadow, _texture(ctx, shadow)) for shadow in shadows)
+
+    def of(self, light: Float) -> SeenShadowMap | None:
+        """That of a light (4,), homogeneous; None where it was not seen, as of one that is elsewhere since."""
+        return next((each for each in self._maps if np.array_equal(each.shadow.light, light)), None)
+
+    def release(self) -> None:
+        for each in self._maps:
+            each.texture.release()
+        self._maps = ()
+
+
+def _texture(ctx: moderngl.Context, shadow: SeenShadow) -> moderngl.Texture:
+    height, width = shadow.share.shape[:2]
+    texture = ctx.texture((width, height), 2, np.ascontiguousarray(shadow.share), alignment=1)
+    texture.repeat_x = texture.repeat_y = False
+    return texture
