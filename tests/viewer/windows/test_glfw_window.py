@@ -118,7 +118,7 @@ class Glfw:
 def desktop(monkeypatch: pytest.MonkeyPatch) -> Glfw:
     desktop = Glfw()
     monkeypatch.setattr(glfw_window, "glfw", desktop)
-    monkeypatch.setattr(glfw_window, "outlive_closed_windows", lambda: None)
+    monkeypatch.setattr(glfw_window, "handle_x_errors", lambda: None)
     monkeypatch.setattr(glfw_window, "window_context", SimpleNamespace)
     return desktop
 
