@@ -33,6 +33,12 @@ def tangents_of_pixels(camera: Camera, pixels: Float) -> Float:
     return np.asarray(tangents[:, 0], np.float64)
 
 
+def rays_of_pixels(camera: Camera, T_cam_marker: Float, pixels: Float) -> Float:
+    """(n, 3) vectors of depth 1, marker frame, along the rays that pixels (n, 2) of the frame as it came see."""
+    tangents = tangents_of_pixels(camera, pixels)
+    return np.asarray(np.column_stack([tangents, np.ones(len(tangents))]) @ T_cam_marker[:3, :3])
+
+
 def _widest_tangent(camera: Camera) -> float:
     """The tangent of the largest angle between the optical axis and what the picture shows: that of a corner."""
     corners = np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) * camera.size - 0.5

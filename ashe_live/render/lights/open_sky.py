@@ -14,7 +14,7 @@ from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre
 from ashe_live.core.types import TrackedFrame
-from ashe_live.render.camera.in_frame import project_distorted, tangents_of_pixels
+from ashe_live.render.camera.in_frame import project_distorted, rays_of_pixels
 from ashe_live.render.lights.cast_shadows import is_inside, shadow_hull_of_point
 from ashe_live.render.lights.lighting import LEAST_LAMP_DISTANCE, MAX_ALBEDO, Lighting
 
@@ -107,7 +107,7 @@ def _albedo_of(
     pixels = np.round(
         _grid(np.maximum(outline.min(axis=0), 0), np.minimum(outline.max(axis=0), np.array(camera.size) - 1))
     )
-    rays = np.column_stack([tangents_of_pixels(camera, pixels), np.ones(len(pixels))]) @ T_cam_marker[:3, :3]
+    rays = rays_of_pixels(camera, T_cam_marker, pixels)
     rays /= np.linalg.norm(rays, axis=1)[:, None]
     far, normals = hull.entered(np.broadcast_to(eye, rays.shape), rays)
     seen = np.isfinite(far) & ((normals * rays).sum(axis=1) < -LEAST_FACING)

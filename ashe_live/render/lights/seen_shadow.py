@@ -17,9 +17,9 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.light import Light
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import inverse_rigid
+from ashe_live.core.transforms import camera_centre
 from ashe_live.core.types import TrackedFrame
-from ashe_live.render.camera.in_frame import project_distorted, tangents_of_pixels
+from ashe_live.render.camera.in_frame import project_distorted, rays_of_pixels
 from ashe_live.render.lights.cast_shadows import shadow_hull_of_point
 from ashe_live.render.lights.lighting import measured_ratio
 
@@ -179,9 +179,8 @@ class _Plane:
 
 def _ground_at(seen_in: TrackedFrame, pixels: Float) -> Float:
     """(n, 2) metres, where the rays of pixels (n, 2) meet the marker's plane."""
-    T_marker_cam = inverse_rigid(seen_in.pose.T_cam_marker)
-    rays = np.column_stack([tangents_of_pixels(seen_in.camera, pixels), np.ones(len(pixels))]) @ T_marker_cam[:3, :3].T
-    eye = T_marker_cam[:3, 3]
+    T_cam_marker = seen_in.pose.T_cam_marker
+    rays, eye = rays_of_pixels(seen_in.camera, T_cam_marker, pixels), camera_centre(T_cam_marker)
     return np.asarray((eye - rays * (eye[2] / rays[:, 2:]))[:, :2])
 
 
