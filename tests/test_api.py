@@ -3,6 +3,7 @@
 import dataclasses
 import inspect
 import os
+import pickle
 import re
 import shutil
 import subprocess
@@ -16,8 +17,12 @@ import pytest
 
 import ashe_live as al
 from ashe_live.core.transforms import angle_between, direction_from_angles
+from ashe_live.render.beside import first_places
 from tests.checkout import CHECKOUT
 from tests.conftest import box_corners
+from tests.painted_cubes import CAMERA as CUBE_CAMERA
+from tests.painted_cubes import EDGE_M, CubeScene, looking, painted, sun
+from tests.shipped_scenes import CASES
 
 PAGE = CHECKOUT / "docs" / "api.md"
 EXAMPLES = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
@@ -76,6 +81,72 @@ def test_a_picture_without_a_marker_is_answered_with_a_reason_and_drawn_as_it_is
     with al.Renderer((128, 96)) as renderer:
         np.testing.assert_array_equal(
             renderer.render(al.Tracker(camera).track(grey), "cube", estimate.illumination), grey
+        )
+
+
+def test_a_marker_that_nobody_knows_is_named_as_the_tracker_takes_it(ran):
+    assert al.markers_in_view(GREY) == ()
+    (named,) = al.markers_in_view(ran["image"])
+    assert al.Tracker(ran["camera"], named).track(ran["image"]).marker is not None
+
+
+@pytest.mark.parametrize("caster", [None, "cylinder:0.03x0.1"])
+def test_an_estimator_answers_alike_in_another_process(ran, caster):
+    here = al.make_estimator("proxy", "fast", "sun", caster)
+    there = pickle.loads(pickle.dumps(here))
+    one, other = (estimator.estimate(ran["first"]) for estimator in (here, there))
+    assert (there.name, one.reason) == (here.name, other.reason)
+    np.testing.assert_array_equal(one.object_mask, other.object_mask)
+    assert [light.to_light_marker.tolist() for light in one.lights] == [
+        light.to_light_marker.tolist() for light in other.lights
+    ]
+
+
+def test_a_pose_of_ones_own_has_the_corners_that_the_tracker_finds(ran):
+    posed, tracked = ran["posed"], ran["tracked"]
+    np.testing.assert_allclose(posed.marker.corners_px, tracked.marker.corners_px, atol=1.0)
+
+
+def cubes_from(*azimuths_deg: float) -> list[al.TrackedFrame]:
+    """A painted cube in the sun, seen from several sides."""
+    tracker, seen = al.Tracker(CUBE_CAMERA, "cube"), []
+    for azimuth_deg in azimuths_deg:
+        tracker.reset()
+        seen.append(tracker.track(painted(CubeScene(CUBE_CAMERA, looking(0.4, 50, azimuth_deg), (sun(120, 50),)))))
+    return seen
+
+
+def test_beside_the_paper_cube_a_model_is_seen_and_stays_where_it_is():
+    """It stood within the cube, which hid it."""
+    lit_by = al.Illumination((al.Light(direction_from_angles(np.radians(120), np.radians(50))),))
+    first, second = cubes_from(20, 60)
+    with al.Renderer(first.frame.size) as renderer:
+
+        def alone(tracked: al.TrackedFrame, model) -> np.ndarray:
+            return renderer.render(tracked, model, lit_by, is_cut_out=True)
+
+        seen = [alone(tracked, "mug") for tracked in (first, second)]
+        x, y = first_places(first, lit_by.light).on_marker(0, EDGE_M).shift_m
+        assert np.hypot(x, y) > 1.2 * EDGE_M
+        for tracked, picture in zip((first, second), seen, strict=True):
+            np.testing.assert_array_equal(picture, alone(tracked, ("mug", al.Placement(shift_m=(x, y)))))
+            assert (picture[..., 3] == 255).sum() > 500
+
+
+def test_the_marker_is_covered_on_request_and_by_the_ground_of_its_own_video():
+    light = al.Illumination((al.Light((1.0, 0.0, 1.0)),))
+    bricks, cone = CASES["texture_bricks"].tracked(), CASES["clean_cone"].tracked()
+    sheet = np.zeros(cone.frame.image_bgr.shape[:2], np.uint8)
+    cv2.fillConvexPoly(sheet, cone.marker.corners_px.round().astype(np.int32), 1)
+    tiny = ("mug", al.Placement(scale=0.1))
+    with al.Renderer(cone.frame.size) as renderer, al.Renderer(cone.frame.size) as fresh:
+        shown = [renderer.render(cone, tiny, light, hides_marker=hides) for hides in (False, True)]
+        dark = [picture[sheet > 0].max(axis=1) < 60 for picture in shown]
+        assert dark[0].mean() > 0.3
+        assert dark[1].mean() < 0.05
+        renderer.render(bricks, tiny, light, hides_marker=True)
+        np.testing.assert_array_equal(
+            renderer.render(cone, tiny, light, hides_marker=True), fresh.render(cone, tiny, light, hides_marker=True)
         )
 
 
@@ -203,6 +274,10 @@ WRONG = {
         [one for one in NO_NAMES if one is not None],
     ),
     ("name", "make_estimator"): (al.make_estimator, NO_NAMES),
+    ("estimator", "estimate_light"): (
+        lambda value: al.estimate_light(GREY, CAMERA, estimator=value),
+        (*NO_NAMES, al.make_estimator()),
+    ),
     ("tracked", "estimate"): (lambda value: al.make_estimator().estimate(value), (None, "a", GREY)),
     ("quality", "Renderer"): (lambda value: al.Renderer((64, 48), value), NO_QUALITIES),
     ("size", "Renderer"): (al.Renderer, (*NO_SIZES, (16384, 16384))),
@@ -223,6 +298,7 @@ WRONG = {
         ("a", -1, 2, float("nan")),
     ),
     ("lights", "Illumination"): (al.Illumination, (None, "a", (1,), [A_LIGHT])),
+    ("image_bgr", "markers_in_view"): (al.markers_in_view, (None, GREY.astype(float), GREY[..., 0])),
     ("ground_rgb", "Illumination"): (lambda value: al.Illumination(ground_rgb=value), ("abc", (1, 2), {})),
     ("tracked", "as_seen_in"): (al.Illumination().as_seen_in, ("a", np.eye(4))),
     ("camera", "TrackedFrame"): (lambda value: al.TrackedFrame(TRACKED.frame, value, None), (None, 60)),
