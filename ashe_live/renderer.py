@@ -84,7 +84,7 @@ class Renderer:
         up: which axis of the first model's file is up: "y", "z", "x", "-y", "-z" or "-x". None: as the file says, or a
         guess where it does not say.
         hides_marker: the marker's sheet, or the paper cube with its shadow, is covered by ground like that around it,
-        and the models stand there. The cover is made before the picture is drawn, which takes a moment.
+        and the models stand there. The first picture waits for the cover, a second or more.
 
         Whatever is drawn differently from what a model's file says is a ModelWarning, once. Raises UserError for a
         model that is not there or cannot be read, ValueError or TypeError for any other wrong argument.
