@@ -176,6 +176,29 @@ def test_several_models_stand_side_by_side_and_one_where_it_is_put(ran):
     assert np.mean(in_other_order == both) > 0.999
 
 
+@pytest.mark.parametrize("size_m", [(0.05, 0.03, 0.09), (0.11, 0.06, 0.02), (0.03, 0.08, 0.05)])
+def test_a_file_in_metres_is_drawn_in_its_true_size_as_the_page_says(ran, tmp_path, size_m):
+    tracked, camera = ran["tracked"], ran["camera"]
+    width, depth, height = size_m
+    base = [(x * width / 2, y * depth / 2) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    corners = np.array([(x, y, z) for z in (0.0, height) for x, y in base])
+    faces = ("4 3 2 1", "5 6 7 8", "1 2 6 5", "2 3 7 6", "3 4 8 7", "4 1 5 8")
+    file = tmp_path / "box.obj"
+    file.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "".join(f"f {face}\n" for face in faces))
+    names = {"al": al, "width_m": width, "depth_m": depth, "height_m": height}
+    (line,) = re.findall(r"^true_size = .*$", "\n".join(EXAMPLES), re.MULTILINE)
+    exec(line, names)
+    with al.Renderer(tracked.frame.size) as renderer:
+        drawn = renderer.render(tracked, (file, names["true_size"]), is_cut_out=True, up="z")
+    T = tracked.marker.T_cam_marker
+    pixels, _ = cv2.projectPoints(corners, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist)
+    expected = np.zeros(drawn.shape[:2], np.uint8)
+    cv2.fillConvexPoly(expected, cv2.convexHull(pixels.reshape(-1, 2).round().astype(np.int32)), 1)
+    is_model = drawn[..., 3] == 255
+    overlap = (is_model & (expected > 0)).sum() / (is_model | (expected > 0)).sum()
+    assert overlap > 0.9  # a size off by a tenth gives 0.8
+
+
 def test_models_are_named_in_a_tuple_as_in_a_list(ran):
     """As `model_names` has them."""
     assert isinstance(al.model_names(), tuple)
