@@ -6,7 +6,15 @@ the package, which every start of the command line does, loads neither OpenCV no
 
 TYPE_CHECKING = False  # as `typing` has it, which would be loaded at every start
 if TYPE_CHECKING:
-    from ashe_live.api import LightEstimator, Tracker, estimate_light, make_estimator, markers_in_view, read_photo
+    from ashe_live.api import (
+        LightEstimator,
+        Tracker,
+        camera_of_photo,
+        estimate_light,
+        make_estimator,
+        markers_in_view,
+        read_photo,
+    )
     from ashe_live.capture.opening import open_source
     from ashe_live.capture.snapshot import write_png
     from ashe_live.core.camera import Camera, read_camera_file
@@ -34,6 +42,7 @@ __all__ = [
     "TrackedFrame",
     "Tracker",
     "UserError",
+    "camera_of_photo",
     "estimate_light",
     "make_estimator",
     "markers_in_view",
@@ -59,6 +68,7 @@ _HOMES = {
     "TrackedFrame": "core.types",
     "Tracker": "api",
     "UserError": "errors",
+    "camera_of_photo": "api",
     "estimate_light": "api",
     "make_estimator": "api",
     "markers_in_view": "api",

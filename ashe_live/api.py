@@ -34,6 +34,17 @@ def read_photo(path: str | Path) -> Image:
     return frame.image_bgr
 
 
+def camera_of_photo(path: str | Path) -> Camera:
+    """The camera by the focal length that a photo's EXIF data state; where they state none, `Camera.assumed`.
+
+    Raises UserError as `read_photo`.
+    """
+    with PhotoSource(arguments.path(path, "path")) as source:
+        if source.focal_px is None:
+            return Camera.assumed(source.size)
+        return Camera.from_focal(source.size, source.focal_px, "exif")
+
+
 def markers_in_view(image_bgr: GivenImage) -> tuple[str, ...]:
     """Which markers a picture (h, w, 3) uint8 BGR shows, as `marker` takes them, the largest first: for one that is
     not known beforehand.

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import PIL.ExifTags
+import PIL.Image
 import pytest
 
 import ashe_live as al
@@ -82,6 +84,19 @@ def test_a_picture_without_a_marker_is_answered_with_a_reason_and_drawn_as_it_is
         np.testing.assert_array_equal(
             renderer.render(al.Tracker(camera).track(grey), "cube", estimate.illumination), grey
         )
+
+
+def test_a_photos_camera_is_that_of_its_exif_data_or_the_assumed_one(tmp_path):
+    picture, exif = PIL.Image.new("RGB", (720, 480)), PIL.Image.Exif()
+    exif.get_ifd(PIL.ExifTags.IFD.Exif)[PIL.ExifTags.Base.FocalLengthIn35mmFilm] = 28
+    picture.save(tmp_path / "stated.jpg", exif=exif)
+    picture.save(tmp_path / "silent.jpg")
+    stated, silent = (al.camera_of_photo(tmp_path / name) for name in ("stated.jpg", "silent.jpg"))
+    assert (stated.size, stated.source, silent.source) == ((720, 480), "exif", "assumed")
+    assert stated.K[0, 0] == pytest.approx(28 / 36 * 720)  # 36 mm are as broad as the picture
+    np.testing.assert_array_equal(silent.K, al.Camera.assumed((720, 480)).K)
+    with pytest.raises(al.UserError):
+        al.camera_of_photo(tmp_path / "none.jpg")
 
 
 def test_a_marker_that_nobody_knows_is_named_as_the_tracker_takes_it(ran):
@@ -271,6 +286,7 @@ A_LIGHT = al.Light((0, 0, 1))
 WRONG = {
     ("path", "read_photo"): (al.read_photo, NO_PATHS),
     ("path", "open_source"): (al.open_source, NO_PATHS),
+    ("path", "camera_of_photo"): (al.camera_of_photo, NO_PATHS),
     ("path", "read_camera_file"): (al.read_camera_file, NO_PATHS),
     ("path", "write_png"): (lambda value: al.write_png(value, GREY), NO_PATHS),
     ("image_bgr", "write_png"): (lambda value: al.write_png("never-written.png", value), NO_PICTURES),
