@@ -6,7 +6,15 @@ the package, which every start of the command line does, loads neither OpenCV no
 
 TYPE_CHECKING = False  # as `typing` has it, which would be loaded at every start
 if TYPE_CHECKING:
-    from ashe_live.api import LightEstimator, Tracker, estimate_light, make_estimator, read_photo
+    from ashe_live.api import (
+        LightEstimator,
+        Tracker,
+        camera_of_photo,
+        estimate_light,
+        make_estimator,
+        markers_in_view,
+        read_photo,
+    )
     from ashe_live.capture.opening import open_source
     from ashe_live.capture.snapshot import write_png
     from ashe_live.core.camera import Camera, read_camera_file
@@ -34,8 +42,10 @@ __all__ = [
     "TrackedFrame",
     "Tracker",
     "UserError",
+    "camera_of_photo",
     "estimate_light",
     "make_estimator",
+    "markers_in_view",
     "model_names",
     "open_source",
     "read_camera_file",
@@ -58,8 +68,10 @@ _HOMES = {
     "TrackedFrame": "core.types",
     "Tracker": "api",
     "UserError": "errors",
+    "camera_of_photo": "api",
     "estimate_light": "api",
     "make_estimator": "api",
+    "markers_in_view": "api",
     "model_names": "models.catalogue",
     "open_source": "capture.opening",
     "read_camera_file": "core.camera",

@@ -16,6 +16,7 @@ from ashe_live.light.live.same_scene import first_of_most, of_one_scene
 from ashe_live.models.caster import read_caster
 from ashe_live.quality import quality_named
 from ashe_live.tracking import tracker
+from ashe_live.tracking.families import in_view
 from ashe_live.tracking.families.layout import parse_target, usual_side_m
 
 MARKER = "aruco:4x4_50:0"
@@ -31,6 +32,27 @@ def read_photo(path: str | Path) -> Image:
         frame = source.read()
     assert frame is not None
     return frame.image_bgr
+
+
+def camera_of_photo(path: str | Path) -> Camera:
+    """The camera by the focal length that a photo's EXIF data state; where they state none, `Camera.assumed`.
+
+    Raises UserError as `read_photo`.
+    """
+    with PhotoSource(arguments.path(path, "path")) as source:
+        if source.focal_px is None:
+            return Camera.assumed(source.size)
+        return Camera.from_focal(source.size, source.focal_px, "exif")
+
+
+def markers_in_view(image_bgr: GivenImage) -> tuple[str, ...]:
+    """Which markers a picture (h, w, 3) uint8 BGR shows, as `marker` takes them, the largest first: for one that is
+    not known beforehand.
+
+    ArUco markers and AprilTags, and "cube" for the paper cube; patterns, pictures and grids are found by name only.
+    ValueError or TypeError for what is no such picture.
+    """
+    return in_view.markers_in_view(arguments.picture(image_bgr, "image_bgr"))
 
 
 def estimate_light(
@@ -64,7 +86,8 @@ def estimate_light(
     another view, or the estimator makes no use of it; ValueError for any other wrong value, TypeError for an argument
     of another kind.
     """
-    chosen, tracker = make_estimator(estimator, quality, light, caster), Tracker(camera, marker, side_m, quality)
+    chosen = make_estimator(arguments.text(estimator, "estimator"), quality, light, caster)
+    tracker = Tracker(camera, marker, side_m, quality)
     pictures = image_bgr if isinstance(image_bgr, (list, tuple)) else (image_bgr,)
     if not pictures:
         raise ValueError("there is no picture to look at")
@@ -101,12 +124,16 @@ def make_estimator(
 
 
 class LightEstimator:
-    """Where the light is in tracked frames. For use by one thread at a time."""
+    """Where the light is in tracked frames. For use by one thread at a time; another process may get a copy of it."""
 
     def __init__(self, name: str, quality: str, light: str, caster: str | Path | None = None) -> None:
         """As `make_estimator`."""
+        self._made_by = name, quality, light, caster
         known = None if caster is None else read_caster(arguments.text_or_path(caster, "caster"))
         self._estimator = estimators.make_estimator(name, quality_named(quality).light.assuming(light, known))
+
+    def __reduce__(self) -> tuple[type["LightEstimator"], tuple[str, str, str, str | Path | None]]:
+        return LightEstimator, self._made_by  # the copy is made anew, in a process that has a caster's file as well
 
     @property
     def name(self) -> str:

@@ -11,15 +11,16 @@ from typing import Any, Self
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
-from ashe_live.core.light import Illumination
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.ranges import DRAWN, TIME
-from ashe_live.core.types import TrackedFrame
+from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import ModelWarning
 from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import MOST_MODELS
-from ashe_live.models.placement import PlacedModel, Placement, seat_beside
+from ashe_live.models.placement import PlacedModel, Placement
 from ashe_live.models.reading import read_model
 from ashe_live.quality import quality_named
+from ashe_live.render.beside import FirstPlaces, first_places
 
 Name = str | os.PathLike[str]  # a shipped model's, or the path of a file
 Standing = Name | tuple[Name, Placement]  # a model, by itself or moved from where it stands first
@@ -50,6 +51,9 @@ class Renderer:
         with self._context:
             self._renderer = SceneRenderer(self._context, preset, size)
         self._placed: dict[tuple[str, float, str | None], PlacedModel] = {}
+        self._places = FirstPlaces()
+        self._chosen_for: tuple[Light | None, bool] | None = None  # light, and whether there is a body that is seen
+        self._frame: Frame | None = None  # drawn last
 
     def render(
         self,
@@ -60,14 +64,17 @@ class Renderer:
         time_s: float = 0.0,
         is_cut_out: bool = False,
         up: str | None = None,
+        hides_marker: bool = False,
     ) -> Image:
         """(h, w, 3) uint8 BGR: the picture with a lit model on its marker, and the shadow that the model casts.
 
-        tracked: the frame that is drawn into. Without a marker in it there is no model.
+        tracked: the frame that is drawn into. Without a marker in it there is no model. One that is not later than the
+        frame before begins another video, of which nothing is known from the last one.
         model: a shipped model's name (`model_names()`), or the path of a glTF, GLB, OBJ, PLY or STL file; either of
         them with a Placement, (name, placement), which says how it is scaled, turned and shifted on the marker's plane;
         or a list of up to nine of these. The list's models shade each other, and those without a placement stand side
-        by side: the first over the marker, the second to its right, the third to its left, and so on.
+        by side: the first over the marker, the second to its right, the third to its left, and so on; with the paper
+        cube in a row beside it, out of its shadow, which stays there until another light is given.
         illumination: an estimate's (`LightEstimate.illumination`) or one of your own; None, or one without a light: the
         sky alone gives light. Polished surfaces mirror the frame that it was seen in, whichever frame is drawn.
         shows_light: also draws an arrow that comes from each light, or a bulb where a lamp is in view.
@@ -76,6 +83,8 @@ class Renderer:
         same picture as without it.
         up: which axis of the first model's file is up: "y", "z", "x", "-y", "-z" or "-x". None: as the file says, or a
         guess where it does not say.
+        hides_marker: the marker's sheet, or the paper cube with its shadow, is covered by ground like that around it,
+        and the models stand there. The first picture waits for the cover, a second or more.
 
         Whatever is drawn differently from what a model's file says is a ModelWarning, once. Raises UserError for a
         model that is not there or cannot be read, ValueError or TypeError for any other wrong argument.
@@ -89,14 +98,18 @@ class Renderer:
             arguments.instance(illumination, Illumination, "illumination")
         if up is not None:
             arguments.one_of(up, UPS, "up")
+        self._follow(tracked.frame)
         placed: list[tuple[PlacedModel, Placement]] = []
         if tracked.marker is not None:
             side_m = tracked.marker.side_m
+            places = self._places_on(tracked, illumination, hides_marker)
             for seat, (name, placement) in enumerate(standing):
-                placed.append((self._model(name, side_m, None if seat else up), placement or seat_beside(seat, side_m)))
+                model_there = self._model(name, side_m, None if seat else up)
+                placed.append((model_there, placement or places.on_marker(seat, side_m)))
         time_s = TIME.checked(time_s, "time_s")
         lit_by = illumination or Illumination()
         scene = Scene(tracked, None, lit_by, shows_light, time_s=time_s, is_cut_out=is_cut_out)
+        scene = replace(scene, covers_marker=hides_marker)
         if placed:
             (first, placement), *others = placed
             scene = replace(scene, model=first, placement=placement, others=tuple(others))
@@ -125,6 +138,21 @@ class Renderer:
             raise ValueError("this renderer has been released: make a new one")
         if self._maker != (os.getpid(), threading.get_ident()):
             raise ValueError("a renderer is for the process and thread that made it: make one there")
+
+    def _follow(self, frame: Frame) -> None:
+        """Forgets the last video, as the ground over its marker and its noise, where another one begins."""
+        if self._frame is not None and frame is not self._frame and frame.time_s <= self._frame.time_s:
+            self._renderer.begin_anew()
+            self._chosen_for = None
+        self._frame = frame
+
+    def _places_on(self, tracked: TrackedFrame, lit_by: Illumination | None, hides_marker: bool) -> FirstPlaces:
+        """Where models stand that have no placement: beside a body they stay while the camera goes around it."""
+        light = None if lit_by is None else lit_by.light
+        has_body = not hides_marker and tracked.marker is not None and tracked.marker.body is not None
+        if self._chosen_for is None or self._chosen_for[0] is not light or self._chosen_for[1] != has_body:
+            self._places, self._chosen_for = first_places(tracked, light, hides_marker), (light, has_body)
+        return self._places
 
     def _model(self, name: str, side_m: float, up: str | None) -> PlacedModel:
         """The same object again for the same name: it is uploaded once."""

@@ -3,6 +3,7 @@
 import dataclasses
 import inspect
 import os
+import pickle
 import re
 import shutil
 import subprocess
@@ -12,12 +13,18 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import PIL.ExifTags
+import PIL.Image
 import pytest
 
 import ashe_live as al
 from ashe_live.core.transforms import angle_between, direction_from_angles
+from ashe_live.render.beside import first_places
 from tests.checkout import CHECKOUT
 from tests.conftest import box_corners
+from tests.painted_cubes import CAMERA as CUBE_CAMERA
+from tests.painted_cubes import EDGE_M, CubeScene, looking, painted, sun
+from tests.shipped_scenes import CASES
 
 PAGE = CHECKOUT / "docs" / "api.md"
 EXAMPLES = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
@@ -79,6 +86,85 @@ def test_a_picture_without_a_marker_is_answered_with_a_reason_and_drawn_as_it_is
         )
 
 
+def test_a_photos_camera_is_that_of_its_exif_data_or_the_assumed_one(tmp_path):
+    picture, exif = PIL.Image.new("RGB", (720, 480)), PIL.Image.Exif()
+    exif.get_ifd(PIL.ExifTags.IFD.Exif)[PIL.ExifTags.Base.FocalLengthIn35mmFilm] = 28
+    picture.save(tmp_path / "stated.jpg", exif=exif)
+    picture.save(tmp_path / "silent.jpg")
+    stated, silent = (al.camera_of_photo(tmp_path / name) for name in ("stated.jpg", "silent.jpg"))
+    assert (stated.size, stated.source, silent.source) == ((720, 480), "exif", "assumed")
+    assert stated.K[0, 0] == pytest.approx(28 / 36 * 720)  # 36 mm are as broad as the picture
+    np.testing.assert_array_equal(silent.K, al.Camera.assumed((720, 480)).K)
+    with pytest.raises(al.UserError):
+        al.camera_of_photo(tmp_path / "none.jpg")
+
+
+def test_a_marker_that_nobody_knows_is_named_as_the_tracker_takes_it(ran):
+    assert al.markers_in_view(GREY) == ()
+    (named,) = al.markers_in_view(ran["image"])
+    assert al.Tracker(ran["camera"], named).track(ran["image"]).marker is not None
+
+
+@pytest.mark.parametrize("caster", [None, "cylinder:0.03x0.1"])
+def test_an_estimator_answers_alike_in_another_process(ran, caster):
+    here = al.make_estimator("proxy", "fast", "sun", caster)
+    there = pickle.loads(pickle.dumps(here))
+    one, other = (estimator.estimate(ran["first"]) for estimator in (here, there))
+    assert (there.name, one.reason) == (here.name, other.reason)
+    np.testing.assert_array_equal(one.object_mask, other.object_mask)
+    assert [light.to_light_marker.tolist() for light in one.lights] == [
+        light.to_light_marker.tolist() for light in other.lights
+    ]
+
+
+def test_a_pose_of_ones_own_has_the_corners_that_the_tracker_finds(ran):
+    posed, tracked = ran["posed"], ran["tracked"]
+    np.testing.assert_allclose(posed.marker.corners_px, tracked.marker.corners_px, atol=1.0)
+
+
+def cubes_from(*azimuths_deg: float) -> list[al.TrackedFrame]:
+    """A painted cube in the sun, seen from several sides."""
+    tracker, seen = al.Tracker(CUBE_CAMERA, "cube"), []
+    for azimuth_deg in azimuths_deg:
+        tracker.reset()
+        seen.append(tracker.track(painted(CubeScene(CUBE_CAMERA, looking(0.4, 50, azimuth_deg), (sun(120, 50),)))))
+    return seen
+
+
+def test_beside_the_paper_cube_a_model_is_seen_and_stays_where_it_is():
+    """It stood within the cube, which hid it."""
+    lit_by = al.Illumination((al.Light(direction_from_angles(np.radians(120), np.radians(50))),))
+    first, second = cubes_from(20, 60)
+    with al.Renderer(first.frame.size) as renderer:
+
+        def alone(tracked: al.TrackedFrame, model) -> np.ndarray:
+            return renderer.render(tracked, model, lit_by, is_cut_out=True)
+
+        seen = [alone(tracked, "mug") for tracked in (first, second)]
+        x, y = first_places(first, lit_by.light).on_marker(0, EDGE_M).shift_m
+        assert np.hypot(x, y) > 1.2 * EDGE_M
+        for tracked, picture in zip((first, second), seen, strict=True):
+            np.testing.assert_array_equal(picture, alone(tracked, ("mug", al.Placement(shift_m=(x, y)))))
+            assert (picture[..., 3] == 255).sum() > 500
+
+
+def test_the_marker_is_covered_on_request_and_by_the_ground_of_its_own_video():
+    light = al.Illumination((al.Light((1.0, 0.0, 1.0)),))
+    bricks, cone = CASES["texture_bricks"].tracked(), CASES["clean_cone"].tracked()
+    sheet = np.zeros(cone.frame.image_bgr.shape[:2], np.uint8)
+    cv2.fillConvexPoly(sheet, cone.marker.corners_px.round().astype(np.int32), 1)
+    tiny = ("mug", al.Placement(scale=0.1))
+    with al.Renderer(cone.frame.size) as renderer, al.Renderer(cone.frame.size) as fresh:
+        shown = [renderer.render(cone, tiny, light, hides_marker=hides) for hides in (False, True)]
+        dark = [picture[sheet > 0].max(axis=1) < 60 for picture in shown]
+        assert dark[0].mean() > 0.3
+        assert dark[1].mean() < 0.05
+        renderer.render(bricks, tiny, light, hides_marker=True)
+        np.testing.assert_array_equal(
+            renderer.render(cone, tiny, light, hides_marker=True), fresh.render(cone, tiny, light, hides_marker=True)
+        )
+
+
 def test_two_renderers_do_not_disturb_each_other():
     camera = al.Camera.from_hfov((64, 48), 60)
     dark, bright = (al.Tracker(camera).track(np.full((48, 64, 3), value, np.uint8)) for value in (20, 220))
@@ -103,6 +189,29 @@ def test_several_models_stand_side_by_side_and_one_where_it_is_put(ran):
     assert np.count_nonzero(tree & ~mug) > 100
     assert np.mean(both == (mug | tree)) > 0.999
     assert np.mean(in_other_order == both) > 0.999
+
+
+@pytest.mark.parametrize("size_m", [(0.05, 0.03, 0.09), (0.11, 0.06, 0.02), (0.03, 0.08, 0.05)])
+def test_a_file_in_metres_is_drawn_in_its_true_size_as_the_page_says(ran, tmp_path, size_m):
+    tracked, camera = ran["tracked"], ran["camera"]
+    width, depth, height = size_m
+    base = [(x * width / 2, y * depth / 2) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    corners = np.array([(x, y, z) for z in (0.0, height) for x, y in base])
+    faces = ("4 3 2 1", "5 6 7 8", "1 2 6 5", "2 3 7 6", "3 4 8 7", "4 1 5 8")
+    file = tmp_path / "box.obj"
+    file.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "".join(f"f {face}\n" for face in faces))
+    names = {"al": al, "width_m": width, "depth_m": depth, "height_m": height}
+    (line,) = re.findall(r"^true_size = .*$", "\n".join(EXAMPLES), re.MULTILINE)
+    exec(line, names)
+    with al.Renderer(tracked.frame.size) as renderer:
+        drawn = renderer.render(tracked, (file, names["true_size"]), is_cut_out=True, up="z")
+    T = tracked.marker.T_cam_marker
+    pixels, _ = cv2.projectPoints(corners, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist)
+    expected = np.zeros(drawn.shape[:2], np.uint8)
+    cv2.fillConvexPoly(expected, cv2.convexHull(pixels.reshape(-1, 2).round().astype(np.int32)), 1)
+    is_model = drawn[..., 3] == 255
+    overlap = (is_model & (expected > 0)).sum() / (is_model | (expected > 0)).sum()
+    assert overlap > 0.9  # a size off by a tenth gives 0.8
 
 
 def test_models_are_named_in_a_tuple_as_in_a_list(ran):
@@ -177,6 +286,7 @@ A_LIGHT = al.Light((0, 0, 1))
 WRONG = {
     ("path", "read_photo"): (al.read_photo, NO_PATHS),
     ("path", "open_source"): (al.open_source, NO_PATHS),
+    ("path", "camera_of_photo"): (al.camera_of_photo, NO_PATHS),
     ("path", "read_camera_file"): (al.read_camera_file, NO_PATHS),
     ("path", "write_png"): (lambda value: al.write_png(value, GREY), NO_PATHS),
     ("image_bgr", "write_png"): (lambda value: al.write_png("never-written.png", value), NO_PICTURES),
@@ -203,6 +313,10 @@ WRONG = {
         [one for one in NO_NAMES if one is not None],
     ),
     ("name", "make_estimator"): (al.make_estimator, NO_NAMES),
+    ("estimator", "estimate_light"): (
+        lambda value: al.estimate_light(GREY, CAMERA, estimator=value),
+        (*NO_NAMES, al.make_estimator()),
+    ),
     ("tracked", "estimate"): (lambda value: al.make_estimator().estimate(value), (None, "a", GREY)),
     ("quality", "Renderer"): (lambda value: al.Renderer((64, 48), value), NO_QUALITIES),
     ("size", "Renderer"): (al.Renderer, (*NO_SIZES, (16384, 16384))),
@@ -223,6 +337,7 @@ WRONG = {
         ("a", -1, 2, float("nan")),
     ),
     ("lights", "Illumination"): (al.Illumination, (None, "a", (1,), [A_LIGHT])),
+    ("image_bgr", "markers_in_view"): (al.markers_in_view, (None, GREY.astype(float), GREY[..., 0])),
     ("ground_rgb", "Illumination"): (lambda value: al.Illumination(ground_rgb=value), ("abc", (1, 2), {})),
     ("tracked", "as_seen_in"): (al.Illumination().as_seen_in, ("a", np.eye(4))),
     ("camera", "TrackedFrame"): (lambda value: al.TrackedFrame(TRACKED.frame, value, None), (None, 60)),

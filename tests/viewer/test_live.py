@@ -378,7 +378,8 @@ def test_what_plays_every_frame_names_the_clip_as_it_was_named(stage):
     """Also from another folder than the clip's, and ready for a shell."""
     stage.put(0)
     stage.run(Command.RECORD, None, lambda: stage.put(1), None, lambda: stage.put(5), None, Command.RECORD, None)
-    assert "; every frame: ashe-live play 'my films/table.mp4' --model cube --headless" in stage.session.notice.text
+    said = "; all frames of the clip: ashe-live play 'my films/table.mp4' --model cube --headless"
+    assert said in stage.session.notice.text
 
 
 def test_a_recording_that_found_no_room_says_that_alone(stage, tmp_path, monkeypatch):
@@ -387,7 +388,7 @@ def test_a_recording_that_found_no_room_says_that_alone(stage, tmp_path, monkeyp
     monkeypatch.setattr(recording_module.Recording, "has_gaps", True)
     stage.run(Command.RECORD, *[lambda index=index: stage.put(index) for index in range(1, 90)])
     assert "No space left" in stage.session.notice.text
-    assert "every frame" not in stage.session.notice.text
+    assert "all frames" not in stage.session.notice.text
     assert len(list(tmp_path.iterdir())) == 1  # the recording, and no file for a command
 
 

@@ -55,6 +55,7 @@ def _paper(preset: ProxyPreset) -> Estimator:  # as published, it has no presets
 ESTIMATORS: Mapping[str, Callable[[ProxyPreset], Estimator]] = {"proxy": _proxy, "paper": _paper}
 
 OF_ONE_FRAME = frozenset({"paper"})  # those that ignore other views and clean plates
+WITHOUT_TRACE = frozenset({"paper"})  # those that are no TracingEstimator
 
 
 def shows_nothing(estimate: LightEstimate) -> bool:

@@ -1,11 +1,13 @@
 """What is said where the arrow, or the steps to the answer, are to be shown and are not there: until they are."""
 
+from ashe_live.light.estimators.estimator import WITHOUT_TRACE
 from ashe_live.viewer.estimates.light_watch import LightWatch, NewAnswer
 from ashe_live.viewer.notice import Notice
 
 NO_ARROW_YET = "the arrow appears when the light is known"
 NO_ANSWER_YET = "nothing has been estimated yet"
-ANSWER_ALONE = "this is the answer alone: Space shows the steps to it (the paper's method keeps none)"
+ANSWER_ALONE = "this is the answer alone: Space shows the steps to it"
+NO_STEPS = "this is the answer alone: the estimator keeps no steps to it"  # and Space would not show any
 
 
 class NotThereYet:
@@ -23,14 +25,14 @@ class NotThereYet:
         if answer is None:
             self._notice.say(f"{NO_ANSWER_YET}: {self._watch.how_it_gets_known}", now_s)
         elif answer.steps_bgr is None:
-            self._notice.say(ANSWER_ALONE, now_s)
+            self._say_alone(answer, now_s)
 
     def hide_light(self) -> None:
         self._notice.withdraw(NO_ARROW_YET)
 
     def hide_steps(self) -> None:
-        self._notice.withdraw(ANSWER_ALONE)
-        self._notice.withdraw(NO_ANSWER_YET)
+        for said in (ANSWER_ALONE, NO_STEPS, NO_ANSWER_YET):
+            self._notice.withdraw(said)
 
     def take_light(self) -> None:
         """A light is known."""
@@ -44,4 +46,7 @@ class NotThereYet:
         if answer.steps_bgr is not None:
             self._notice.withdraw(ANSWER_ALONE)
         elif shows_steps:
-            self._notice.say(ANSWER_ALONE, now_s)
+            self._say_alone(answer, now_s)
+
+    def _say_alone(self, answer: NewAnswer, now_s: float) -> None:
+        self._notice.say(NO_STEPS if answer.estimate.estimator in WITHOUT_TRACE else ANSWER_ALONE, now_s)

@@ -12,8 +12,9 @@ from ashe_live.core.transforms import angles_from_direction, direction_from_angl
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.live.moved_marker import FixedInRoom
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
+from ashe_live.render.beside import picture_axes
 from ashe_live.render.lights.lighting import SUN_ANGULAR_SIZE_RAD, angular_size, ground_ratio
-from ashe_live.viewer.hands.pointing import Pixel, ground_at, picture_axes, pixel_of
+from ashe_live.viewer.hands.pointing import Pixel, ground_at, pixel_of
 from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.hands.shadow_end import LOWEST_RAD, light_through, shadow_of
 

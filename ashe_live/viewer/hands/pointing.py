@@ -60,13 +60,3 @@ def pixel_of(tracked: TrackedFrame, ground: Float) -> Pixel | None:
     ((x, y),) = source_from_ideal(tracked.camera, ideal)
     width, height = tracked.frame.size
     return (float(x), float(y)) if -0.5 <= x <= width - 0.5 and -0.5 <= y <= height - 0.5 else None
-
-
-def picture_axes(tracked: TrackedFrame) -> tuple[Float, Float]:
-    """(2,) unit vectors on the plane, marker frame: to the right in the picture, and away from the camera."""
-    right = np.array((1.0, 0.0))
-    if tracked.marker is not None:
-        seen = tracked.marker.T_cam_marker[0, :2]
-        length = float(np.linalg.norm(seen))
-        right = seen / length if length > 1e-6 else right
-    return right, np.array((-right[1], right[0]))

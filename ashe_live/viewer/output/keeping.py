@@ -139,7 +139,7 @@ class Keeper:
             said = recording.finish()
             # A full disk, or a folder that has gone, would not take the command's file either.
             if self.clip_path is not None and recording.failure is None and recording.has_gaps:
-                said += f"; every frame: {self._command(self.clip_path, recording.path, as_shown)}"
+                said += f"; all frames of the clip: {self._command(self.clip_path, recording.path, as_shown)}"
             self._announce(said, now_s)
 
     def _command(self, clip: Path, recorded: Path, as_shown: AsShown) -> str:

@@ -8,9 +8,9 @@ from ashe_live.core.light import Light
 from ashe_live.core.types import TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement, seat_beside
+from ashe_live.render.beside import FirstPlaces, first_places
 from ashe_live.viewer.hands.hand import Hand
 from ashe_live.viewer.hands.pointing import Pixel
-from ashe_live.viewer.table.beside import FirstPlaces, first_places
 from ashe_live.viewer.table.pointed_at import model_at
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.stand import LeftPlaces, Stand, place_of

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
-from ashe_live.viewer.table.beside import FirstPlaces
+from ashe_live.render.beside import FirstPlaces
 from ashe_live.viewer.table.shelf import Shelf
 
 AT_FIRST = UNMOVED.shift_m  # as it is kept, it means the place of a model that nobody has moved, wherever that is

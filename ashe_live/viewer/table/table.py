@@ -165,11 +165,13 @@ class Table:
             if len(models) == 1:
                 self._say("there is one model: T puts another beside it", now_s)
             return
-        take_back = models.add() if command is Command.ADD_MODEL else models.remove()
+        gone = f"{self.model_name} is taken away: Ctrl+Z puts it back"
+        is_new = command is Command.ADD_MODEL
+        take_back = models.add() if is_new else models.remove()
         if take_back is not None:
             self._undo.note_change(take_back)
-            self._say(self.in_hand_text, now_s)
-        elif command is Command.ADD_MODEL:
+            self._say(self.in_hand_text if is_new else gone, now_s)
+        elif is_new:
             self._say(f"{MOST_MODELS} models are the most: Delete takes the one in hand away", now_s)
         else:
             self._say("the last model stays: B hides it", now_s)

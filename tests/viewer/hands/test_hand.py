@@ -15,6 +15,7 @@ from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import UNMOVED, Placement, placed_on_marker
 from ashe_live.models.primitives import box
+from ashe_live.render.beside import picture_axes
 from ashe_live.render.lights.lighting import angular_size, lighting_of
 from ashe_live.viewer.hands.hand import (
     FARTHER_STEP,
@@ -35,7 +36,7 @@ from ashe_live.viewer.hands.hand import (
     Hand,
     HandContext,
 )
-from ashe_live.viewer.hands.pointing import ground_at, picture_axes, pixel_of
+from ashe_live.viewer.hands.pointing import ground_at, pixel_of
 from ashe_live.viewer.hands.requests import Command, Drag, Request
 from tests.camera_poses import looking_at
 

@@ -6,8 +6,9 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.render.beside import picture_axes
 from ashe_live.tracking.edges.lens import source_from_ideal
-from ashe_live.viewer.hands.pointing import ground_at, in_mirror, in_video, picture_axes, pixel_of, source_pixel
+from ashe_live.viewer.hands.pointing import ground_at, in_mirror, in_video, pixel_of, source_pixel
 from ashe_live.viewer.hands.requests import Command, Drag, Files, Request
 from tests.camera_poses import looking_at
 

@@ -131,6 +131,7 @@ def test_one_more_is_put_beside_and_taken_away_again(make, fakes):
     assert places(session)[1].shift_m[0] == pytest.approx(BESIDE_SIDES * SIDE_M)
     asked(session, Command.REMOVE_MODEL)
     assert (names(session), session.table.in_hand_text) == (["cube"], "cube")
+    assert session.notice.text == f"{name} is taken away: Ctrl+Z puts it back"
     asked(session, *[Command.ADD_MODEL] * MOST_MODELS)
     assert len(names(session)) == MOST_MODELS
     assert len({place.shift_m for place in places(session)}) == MOST_MODELS

@@ -15,12 +15,12 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.models.catalogue import ChosenModel
 from ashe_live.models.memory import ModelMemory
 from ashe_live.models.placement import UNMOVED, Placement
+from ashe_live.render.beside import first_places
 from ashe_live.tracking.cube.faces import CORNERS
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.session import Session
-from ashe_live.viewer.table.beside import first_places
 from ashe_live.viewer.table.shelf import Shelf
 
 LEFT = Placement(1.5, math.radians(30), (0.02, -0.04))

@@ -10,7 +10,6 @@ from ashe_live.core.light import Light
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.models.placement import Placement, seat_beside
-from ashe_live.viewer.hands.pointing import picture_axes
 
 # Distance between the middles of body and model: half of each, and a gap between them that lets light through.
 AWAY_SIDES = 1.7
@@ -36,6 +35,11 @@ class FirstPlaces:
         seat_x, _ = seat_beside(seat, self.side_m).shift_m
         (x, y), (along_x, along_y) = self.middle_m, self.along
         return Placement(shift_m=(x + seat_x * (along_x - 1), y + seat_x * along_y))
+
+    def on_marker(self, seat: int, side_m: float) -> Placement:
+        """The same relative to the middle of a marker of that side."""
+        (x, y), (seat_x, seat_y) = self.of(seat).shift_m, seat_beside(seat, side_m).shift_m
+        return Placement(shift_m=(x + seat_x, y + seat_y))
 
 
 def first_places(tracked: TrackedFrame, light: Light | None, in_its_place: bool = False) -> FirstPlaces:
@@ -69,3 +73,13 @@ def _share_in_picture(tracked: TrackedFrame, places_m: Float, side_m: float) -> 
     pixels = project(tracked.camera, tracked.pose.T_cam_marker, corners)
     is_seen = ((pixels >= 0) & (pixels < tracked.frame.size)).all(axis=1)
     return np.asarray(is_seen.reshape(-1, len(box)).mean(axis=1))
+
+
+def picture_axes(tracked: TrackedFrame) -> tuple[Float, Float]:
+    """(2,) unit vectors on the plane, marker frame: to the right in the picture, and away from the camera."""
+    right = np.array((1.0, 0.0))
+    if tracked.marker is not None:
+        seen = tracked.marker.T_cam_marker[0, :2]
+        length = float(np.linalg.norm(seen))
+        right = seen / length if length > 1e-6 else right
+    return right, np.array((-right[1], right[0]))

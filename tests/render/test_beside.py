@@ -12,8 +12,8 @@ from ashe_live.core.transforms import direction_from_angles, project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS
 from ashe_live.models.placement import FOOTPRINT_SIDES, UNMOVED, seat_beside
+from ashe_live.render.beside import first_places
 from ashe_live.tracking.cube.faces import CORNERS
-from ashe_live.viewer.table.beside import first_places
 from tests.painted_cubes import CAMERA, EDGE_M, looking
 
 BODY = Proxy("box", np.column_stack([EDGE_M * CORNERS, np.zeros((8, 2))]))
