@@ -4,6 +4,7 @@ import io
 import math
 import os
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
@@ -13,6 +14,7 @@ import PIL.ExifTags
 import PIL.Image
 from PIL.TiffImagePlugin import TiffImageFile
 
+from ashe_live.capture.clips.wide_gamut import srgb_converter, srgb_from_adobe_rgb
 from ashe_live.capture.isolated_photo import HEIF, is_heif, read_isolated
 from ashe_live.capture.sources import MAX_PIXELS, Source, refuse_too_large, too_many_pixels
 from ashe_live.core.arrays import Image
@@ -30,6 +32,9 @@ LONGEST_SHAPE, SAME_SHAPE = 1.8, 0.02
 # camera has left out a part, and states what its whole sensor sees; the cameras that do so are mostly phones.
 PHONE_SHAPE, FILM_SHAPE = 4 / 3, 3 / 2
 NEW_SUBFILE_TYPE = 254
+# EXIF's tag of a photo that keeps to DCF (JEITA CP-3461), and its value for one in Adobe RGB.
+INTEROPERABILITY_INDEX, DCF_ADOBE_RGB = 1, "R03"
+CONVERTED_ROWS = 256  # at a time: light takes 24 bytes a pixel on the way
 # As the largest picture has without compression, with transparency.
 MOST_FILE_BYTES = 4 * MAX_PIXELS
 # More than a camera's JPEGs and HEICs have. Larger ones are read apart, and known by what they begin with.
@@ -159,7 +164,11 @@ def _decoded(path: Path, picture: PIL.Image.Image) -> _Photo:
         )
     focal_px = _focal_px(picture)
     is_animation = picture.format in MAY_MOVE and getattr(picture, "n_frames", 1) > 1
+    to_srgb = _srgb_converter(picture)
     image_bgr = np.asarray(cv2.cvtColor(_rgb_8bit(upright(picture)), cv2.COLOR_RGB2BGR), dtype=np.uint8)
+    if to_srgb is not None:
+        for row in range(0, len(image_bgr), CONVERTED_ROWS):
+            image_bgr[row : row + CONVERTED_ROWS] = to_srgb(image_bgr[row : row + CONVERTED_ROWS])
     return _Photo(image_bgr, focal_px, is_animation)
 
 
@@ -195,6 +204,22 @@ def _sensor_diagonal(longer: float, shorter: float) -> float:
     if shape < PHONE_SHAPE * (1 - SAME_SHAPE):
         return math.hypot(shorter * PHONE_SHAPE, shorter)
     return math.hypot(longer, shorter)
+
+
+def _srgb_converter(picture: PIL.Image.Image) -> Callable[[Image], Image] | None:
+    """Where a photo has no profile that tells its colours, and a number does; None where they are sRGB, or grey.
+
+    Cameras state so the HDR of HEIC (PQ, HLG), and Adobe RGB in the EXIF data.
+    """
+    if picture.info.get("icc_profile") or picture.mode not in ("RGB", "RGBA"):
+        return None
+    if (numbers := picture.info.get("nclx_profile")) is not None:
+        return srgb_converter(numbers["color_primaries"], numbers["transfer_characteristics"])
+    try:
+        index = picture.getexif().get_ifd(PIL.ExifTags.IFD.Interop).get(INTEROPERABILITY_INDEX)
+    except Exception:  # as above
+        return None
+    return srgb_from_adobe_rgb() if str(index).rstrip("\0") == DCF_ADOBE_RGB else None
 
 
 def _rgb_8bit(picture: PIL.Image.Image) -> Image:
