@@ -20,7 +20,7 @@ from ashe_live.capture.sources import MAX_PIXELS, Source, refuse_too_large, too_
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
-from ashe_live.files.pixels import upright, with_8_bits
+from ashe_live.files.pixels import quarter_turns, upright, with_8_bits
 from ashe_live.files.reading import opened
 from ashe_live.files.slow_pictures import opened_picture, refuse_slow_decoder
 
@@ -53,6 +53,7 @@ CLIP_SUFFIXES = {".mjpeg", ".mjpg"}
 class _Photo(NamedTuple):
     image_bgr: Image  # (h, w, 3) uint8
     focal_px: float | None  # in its pixels, as the EXIF data state it; None: they do not
+    quarter_turns: int
     is_first_of_animation: bool
 
 
@@ -69,6 +70,7 @@ class PhotoSource(Source):
         self.name = path.name
         photo = _read(path)
         self.focal_px = photo.focal_px
+        self.quarter_turns = photo.quarter_turns  # anticlockwise, by which the sensor's picture was made upright
         self.note: str | None = None
         if photo.is_first_of_animation:
             self.note = f"{self.name} is an animation, of which the first picture is shown: convert it to MP4 or GIF"
@@ -162,14 +164,14 @@ def _decoded(path: Path, picture: PIL.Image.Image) -> _Photo:
             f"{path} is a raw photo, of which only a small preview can be read",
             "develop it to JPEG, or let the camera save JPEG as well",
         )
-    focal_px = _focal_px(picture)
+    focal_px, turns = _focal_px(picture), quarter_turns(picture)
     is_animation = picture.format in MAY_MOVE and getattr(picture, "n_frames", 1) > 1
     to_srgb = _srgb_converter(picture)
     image_bgr = np.asarray(cv2.cvtColor(_rgb_8bit(upright(picture)), cv2.COLOR_RGB2BGR), dtype=np.uint8)
     if to_srgb is not None:
         for row in range(0, len(image_bgr), CONVERTED_ROWS):
             image_bgr[row : row + CONVERTED_ROWS] = to_srgb(image_bgr[row : row + CONVERTED_ROWS])
-    return _Photo(image_bgr, focal_px, is_animation)
+    return _Photo(image_bgr, focal_px, turns, is_animation)
 
 
 def _is_preview(picture: PIL.Image.Image) -> bool:

@@ -409,6 +409,7 @@ def test_photos_of_iphones_are_read_whatever_their_name(
     with open_source(tmp_path / name) as source:
         assert isinstance(source, PhotoSource)
         assert source.focal_px == pytest.approx(26 * 60 / 36)
+        assert source.quarter_turns == (0 if orientation == 1 else 3)
         frame = source.read()
     assert frame is not None
     # Lossless but for the conversion to luma and chroma.
