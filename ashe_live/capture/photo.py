@@ -12,7 +12,6 @@ import cv2
 import numpy as np
 import PIL.ExifTags
 import PIL.Image
-from PIL.TiffImagePlugin import TiffImageFile
 
 from ashe_live.capture.clips.wide_gamut import srgb_converter, srgb_from_adobe_rgb
 from ashe_live.capture.isolated_photo import HEIF, is_heif, read_isolated
@@ -23,6 +22,7 @@ from ashe_live.errors import UserError
 from ashe_live.files.pixels import quarter_turns, upright, with_8_bits
 from ashe_live.files.reading import opened
 from ashe_live.files.slow_pictures import opened_picture, refuse_slow_decoder
+from ashe_live.files.tiff import refuse_misread
 
 FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
 # Focal lengths that cameras state for 35 mm film; and shapes that they take: longer ones are cut or stitched.
@@ -31,7 +31,6 @@ LONGEST_SHAPE, SAME_SHAPE = 1.8, 0.02
 # Shapes of sensors: of phones and small cameras, and that of film. Of a longer or squarer picture (16:9, square) the
 # camera has left out a part, and states what its whole sensor sees; the cameras that do so are mostly phones.
 PHONE_SHAPE, FILM_SHAPE = 4 / 3, 3 / 2
-NEW_SUBFILE_TYPE = 254
 # EXIF's tag of a photo that keeps to DCF (JEITA CP-3461), and its value for one in Adobe RGB.
 INTEROPERABILITY_INDEX, DCF_ADOBE_RGB = 1, "R03"
 CONVERTED_ROWS = 256  # at a time: light takes 24 bytes a pixel on the way
@@ -159,11 +158,7 @@ def _decoded(path: Path, picture: PIL.Image.Image) -> _Photo:
     refuse_too_large(path, picture.size)
     if picture.mode == "F":
         raise UserError(f"{path} has floating-point pixels, which are not read", "convert it to JPEG or PNG")
-    if _is_preview(picture):
-        raise UserError(
-            f"{path} is a raw photo, of which only a small preview can be read",
-            "develop it to JPEG, or let the camera save JPEG as well",
-        )
+    refuse_misread(path, picture)
     focal_px, turns = _focal_px(picture), quarter_turns(picture)
     is_animation = picture.format in MAY_MOVE and getattr(picture, "n_frames", 1) > 1
     to_srgb = _srgb_converter(picture)
@@ -172,11 +167,6 @@ def _decoded(path: Path, picture: PIL.Image.Image) -> _Photo:
         for row in range(0, len(image_bgr), CONVERTED_ROWS):
             image_bgr[row : row + CONVERTED_ROWS] = to_srgb(image_bgr[row : row + CONVERTED_ROWS])
     return _Photo(image_bgr, focal_px, turns, is_animation)
-
-
-def _is_preview(picture: PIL.Image.Image) -> bool:
-    """Whether it is what raw files (DNG, NEF, ARW) begin with: TIFF 6.0, NewSubfileType, bit 0."""
-    return isinstance(picture, TiffImageFile) and bool(int(picture.tag_v2.get(NEW_SUBFILE_TYPE, 0)) & 1)
 
 
 def _focal_px(picture: PIL.Image.Image) -> float | None:
