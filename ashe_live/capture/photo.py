@@ -4,6 +4,7 @@ import io
 import math
 import os
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
@@ -11,16 +12,17 @@ import cv2
 import numpy as np
 import PIL.ExifTags
 import PIL.Image
-from PIL.TiffImagePlugin import TiffImageFile
 
+from ashe_live.capture.clips.wide_gamut import srgb_converter, srgb_from_adobe_rgb
 from ashe_live.capture.isolated_photo import HEIF, is_heif, read_isolated
 from ashe_live.capture.sources import MAX_PIXELS, Source, refuse_too_large, too_many_pixels
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
-from ashe_live.files.pixels import upright, with_8_bits
+from ashe_live.files.pixels import quarter_turns, upright, with_8_bits
 from ashe_live.files.reading import opened
 from ashe_live.files.slow_pictures import opened_picture, refuse_slow_decoder
+from ashe_live.files.tiff import refuse_misread
 
 FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
 # Focal lengths that cameras state for 35 mm film; and shapes that they take: longer ones are cut or stitched.
@@ -29,7 +31,9 @@ LONGEST_SHAPE, SAME_SHAPE = 1.8, 0.02
 # Shapes of sensors: of phones and small cameras, and that of film. Of a longer or squarer picture (16:9, square) the
 # camera has left out a part, and states what its whole sensor sees; the cameras that do so are mostly phones.
 PHONE_SHAPE, FILM_SHAPE = 4 / 3, 3 / 2
-NEW_SUBFILE_TYPE = 254
+# EXIF's tag of a photo that keeps to DCF (JEITA CP-3461), and its value for one in Adobe RGB.
+INTEROPERABILITY_INDEX, DCF_ADOBE_RGB = 1, "R03"
+CONVERTED_ROWS = 256  # at a time: light takes 24 bytes a pixel on the way
 # As the largest picture has without compression, with transparency.
 MOST_FILE_BYTES = 4 * MAX_PIXELS
 # More than a camera's JPEGs and HEICs have. Larger ones are read apart, and known by what they begin with.
@@ -48,6 +52,7 @@ CLIP_SUFFIXES = {".mjpeg", ".mjpg"}
 class _Photo(NamedTuple):
     image_bgr: Image  # (h, w, 3) uint8
     focal_px: float | None  # in its pixels, as the EXIF data state it; None: they do not
+    quarter_turns: int
     is_first_of_animation: bool
 
 
@@ -64,6 +69,7 @@ class PhotoSource(Source):
         self.name = path.name
         photo = _read(path)
         self.focal_px = photo.focal_px
+        self.quarter_turns = photo.quarter_turns  # anticlockwise, by which the sensor's picture was made upright
         self.note: str | None = None
         if photo.is_first_of_animation:
             self.note = f"{self.name} is an animation, of which the first picture is shown: convert it to MP4 or GIF"
@@ -152,20 +158,15 @@ def _decoded(path: Path, picture: PIL.Image.Image) -> _Photo:
     refuse_too_large(path, picture.size)
     if picture.mode == "F":
         raise UserError(f"{path} has floating-point pixels, which are not read", "convert it to JPEG or PNG")
-    if _is_preview(picture):
-        raise UserError(
-            f"{path} is a raw photo, of which only a small preview can be read",
-            "develop it to JPEG, or let the camera save JPEG as well",
-        )
-    focal_px = _focal_px(picture)
+    refuse_misread(path, picture)
+    focal_px, turns = _focal_px(picture), quarter_turns(picture)
     is_animation = picture.format in MAY_MOVE and getattr(picture, "n_frames", 1) > 1
+    to_srgb = _srgb_converter(picture)
     image_bgr = np.asarray(cv2.cvtColor(_rgb_8bit(upright(picture)), cv2.COLOR_RGB2BGR), dtype=np.uint8)
-    return _Photo(image_bgr, focal_px, is_animation)
-
-
-def _is_preview(picture: PIL.Image.Image) -> bool:
-    """Whether it is what raw files (DNG, NEF, ARW) begin with: TIFF 6.0, NewSubfileType, bit 0."""
-    return isinstance(picture, TiffImageFile) and bool(int(picture.tag_v2.get(NEW_SUBFILE_TYPE, 0)) & 1)
+    if to_srgb is not None:
+        for row in range(0, len(image_bgr), CONVERTED_ROWS):
+            image_bgr[row : row + CONVERTED_ROWS] = to_srgb(image_bgr[row : row + CONVERTED_ROWS])
+    return _Photo(image_bgr, focal_px, turns, is_animation)
 
 
 def _focal_px(picture: PIL.Image.Image) -> float | None:
@@ -195,6 +196,22 @@ def _sensor_diagonal(longer: float, shorter: float) -> float:
     if shape < PHONE_SHAPE * (1 - SAME_SHAPE):
         return math.hypot(shorter * PHONE_SHAPE, shorter)
     return math.hypot(longer, shorter)
+
+
+def _srgb_converter(picture: PIL.Image.Image) -> Callable[[Image], Image] | None:
+    """Where a photo has no profile that tells its colours, and a number does; None where they are sRGB, or grey.
+
+    Cameras state so the HDR of HEIC (PQ, HLG), and Adobe RGB in the EXIF data.
+    """
+    if picture.info.get("icc_profile") or picture.mode not in ("RGB", "RGBA"):
+        return None
+    if (numbers := picture.info.get("nclx_profile")) is not None:
+        return srgb_converter(numbers["color_primaries"], numbers["transfer_characteristics"])
+    try:
+        index = picture.getexif().get_ifd(PIL.ExifTags.IFD.Interop).get(INTEROPERABILITY_INDEX)
+    except Exception:  # as above
+        return None
+    return srgb_from_adobe_rgb() if str(index).rstrip("\0") == DCF_ADOBE_RGB else None
 
 
 def _rgb_8bit(picture: PIL.Image.Image) -> Image:

@@ -1,6 +1,6 @@
 """What a photo, a clip and a camera have in common as sources of frames, and how large a picture may be."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Protocol, Self, runtime_checkable
@@ -76,3 +76,9 @@ class Seekable(Protocol):
 
     def seek_frame(self, index: int) -> None:
         """The next frame read is number `index`, 0 before all, or the end when there is none."""
+
+    def pass_over(self, is_shown: Callable[[float], bool]) -> bool:
+        """Passes over the next frame, of which no picture is made, where `is_shown` of its time is False; whether so.
+
+        The last frame stays, whatever its time.
+        """

@@ -163,7 +163,10 @@ def fitted(camera: Camera, size: Size, name: str = "the camera") -> Camera:
     try:
         return camera.resized(size)
     except ValueError as error:
-        raise UserError(f"{name} does not fit the picture ({error})", "calibrate at this aspect ratio") from error
+        remedy = "calibrate at this aspect ratio"
+        if (size[0] < size[1]) != (camera.size[0] < camera.size[1]):
+            remedy = "hold the camera as it was calibrated, upright or on its side, or calibrate it as it is held now"
+        raise UserError(f"{name} does not fit the picture ({error})", remedy) from error
 
 
 def drawn_size(size: Size) -> Size:

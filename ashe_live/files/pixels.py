@@ -14,16 +14,28 @@ UPRIGHT = {
     7: PIL.Image.Transpose.TRANSVERSE,
     8: PIL.Image.Transpose.ROTATE_90,
 }
+# Quarter turns of a sensor's picture until it is upright, anticlockwise as rot90 counts them; those of cameras.
+QUARTER_TURNS = {3: 2, 6: 3, 8: 1}
 
 
 def upright(picture: PIL.Image.Image) -> PIL.Image.Image:
     """As its EXIF data say. Pillow's own function also writes these anew, which fails where any of them is damaged."""
     picture.load()  # where a TIFF is turned already, and no longer says how
-    try:
-        turn = UPRIGHT.get(picture.getexif().get(PIL.ExifTags.Base.Orientation, 1))
-    except Exception:  # Damaged EXIF data can fail anywhere in Pillow, and say nothing against the picture.
-        return picture
+    turn = UPRIGHT.get(_orientation(picture))
     return picture if turn is None else picture.transpose(turn)
+
+
+def quarter_turns(picture: PIL.Image.Image) -> int:
+    """By how many the camera turned what its sensor saw, as QUARTER_TURNS; 0 where it does not say so."""
+    # HEIC is turned as it is read, and the tag is kept under this name.
+    return QUARTER_TURNS.get(picture.info.get("original_orientation") or _orientation(picture), 0)
+
+
+def _orientation(picture: PIL.Image.Image) -> int:
+    try:
+        return int(picture.getexif().get(PIL.ExifTags.Base.Orientation, 1))
+    except Exception:  # Damaged EXIF data can fail anywhere in Pillow, and say nothing against the picture.
+        return 1
 
 
 def with_8_bits(picture: PIL.Image.Image) -> PIL.Image.Image:

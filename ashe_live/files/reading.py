@@ -7,10 +7,12 @@ import re
 import stat
 from pathlib import Path
 from typing import Any, BinaryIO
+from urllib.parse import unquote
 
 from ashe_live.errors import UserError
 
 ADDRESS = re.compile(r"(?P<scheme>https?|s?ftps?|rtsp|rtmp)://?(?P<rest>.+)", re.IGNORECASE | re.DOTALL)
+FILE_ADDRESS = re.compile(r"file:/+(?:localhost/)?(?P<path>.+)", re.IGNORECASE | re.DOTALL)
 MOST_SETTINGS_BYTES = 1_000_000  # of files that people write: settings, camera files
 
 
@@ -56,6 +58,12 @@ def _missing(path: Path) -> UserError:
     if ADDRESS.match(str(path)) is not None:
         said = f"{as_given(path)} is an address, and nothing is fetched from a network"
         return UserError(said, "save what it leads to, and give that file")
+    if (address := FILE_ADDRESS.match(str(path))) is not None:
+        named = unquote(address["path"], errors="surrogateescape")
+        root = "" if named[1:2] == ":" else "/"  # on Windows it has a drive
+        return UserError(f"{path} is the address of a file", f"give its path, {root}{named}")
+    if str(path) == "-":
+        return UserError("nothing is read from standard input", "name a file")
     return UserError(f"there is no file {path}", "check the name and the folder")
 
 

@@ -116,6 +116,32 @@ def test_grey_of_8_bits_is_repeated(tmp_path: Path, rgb: Image) -> None:
     np.testing.assert_array_equal(read(tmp_path / "a.png"), np.repeat(rgb[:, :, :1], 3, axis=2))
 
 
+def planar_tiff(rgb: np.ndarray) -> bytes:
+    """TIFF 6.0, without compression: all of red, then all of green, then all of blue."""
+    bits, (height, width, _) = 8 * rgb.itemsize, rgb.shape
+    values = {256: [width], 257: [height], 258: [bits] * 3, 259: [1], 262: [2], 273: [], 277: [3], 278: [height]}
+    values |= {279: [rgb.nbytes // 3] * 3, 284: [2]}
+    begin = 8 + 2 + 12 * len(values) + 4  # of what does not fit into the table
+    values[273] = [begin + 36 + plane * rgb.nbytes // 3 for plane in range(3)]
+    table, more = struct.pack("<H", len(values)), b""
+    for tag, numbers in values.items():
+        is_long = len(numbers) > 1
+        table += struct.pack("<HHII", tag, 4, len(numbers), begin + len(more) if is_long else numbers[0])
+        more += struct.pack(f"<{len(numbers)}I", *numbers) if is_long else b""
+    assert len(more) == 36
+    planes = np.moveaxis(rgb, 2, 0).astype(rgb.dtype.newbyteorder("<")).tobytes()
+    return b"II*\0" + struct.pack("<I", 8) + table + bytes(4) + more + planes
+
+
+def test_a_tiff_of_one_colour_after_the_other_is_right_or_refused(tmp_path: Path, rgb: Image) -> None:
+    """Of 16 bits Pillow takes each byte for a pixel: every picture would be two halves, one above the other."""
+    (tmp_path / "8.tif").write_bytes(planar_tiff(rgb))
+    np.testing.assert_array_equal(read(tmp_path / "8.tif"), rgb[:, :, ::-1])
+    (tmp_path / "16.tif").write_bytes(planar_tiff(rgb.astype(np.uint16) * 257))
+    with pytest.raises(UserError, match=r"16\.tif has one colour of 16 bits after the other"):
+        read(tmp_path / "16.tif")
+
+
 def test_what_is_transparent_lies_on_white(tmp_path: Path, rgb: Image) -> None:
     alpha = np.full((40, 60, 1), 255, np.uint8)
     alpha[20:] = 0
@@ -409,6 +435,7 @@ def test_photos_of_iphones_are_read_whatever_their_name(
     with open_source(tmp_path / name) as source:
         assert isinstance(source, PhotoSource)
         assert source.focal_px == pytest.approx(26 * 60 / 36)
+        assert source.quarter_turns == (0 if orientation == 1 else 3)
         frame = source.read()
     assert frame is not None
     # Lossless but for the conversion to luma and chroma.

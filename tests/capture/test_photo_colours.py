@@ -1,16 +1,31 @@
-"""Photos with an ICC profile: the colours that a person sees, in sRGB."""
+"""Photos whose colours are not sRGB's: those that a person sees, in sRGB."""
 
 import struct
 from pathlib import Path
 
 import numpy as np
+import PIL.ExifTags
 import PIL.Image
+import pillow_heif
 import pytest
 from PIL import ImageCms
 
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
+from tests.capture.clips.test_wide_gamut import (
+    BT709,
+    BT2020_PRIMARIES,
+    HLG_TRANSFER,
+    P3,
+    P3_PRIMARIES,
+    PQ_TRANSFER,
+    REC_709,
+    REC_2020,
+    SRGB_TRANSFER,
+    in_primaries,
+    xyz_from_rgb,
+)
 
 # The columns are R, G and B in XYZ under D50, as profiles state them (SMPTE EG 432-1 and IEC 61966-2-1, adapted).
 DISPLAY_P3 = np.array([(0.51512, 0.29198, 0.15710), (0.24120, 0.69225, 0.06657), (-0.00105, 0.04189, 0.78407)])
@@ -82,3 +97,75 @@ def test_grey_with_the_profile_of_a_coloured_picture_stays_grey(tmp_path: Path) 
     frame = PhotoSource(tmp_path / "grey.png").read()
     assert frame is not None
     np.testing.assert_array_equal(frame.image_bgr[:, 0], COLOURS[:4])
+
+
+# Of Adobe RGB (1998), in its Color Image Encoding: R, G and B beside the white D65.
+ADOBE = np.array([(0.640, 0.330), (0.210, 0.710), (0.150, 0.060)])
+
+
+def heic(path: Path, rgb: Image, primaries: int, transfer: int) -> Image:
+    """Written in HEIC as patches of these colours (n, 3), stated by numbers, and read: (n, 3) RGB."""
+    picture = PIL.Image.fromarray(np.repeat(np.repeat(rgb[None], 64, axis=0), 64, axis=1))
+    numbers = {"color_primaries": primaries, "transfer_characteristics": transfer, "matrix_coefficients": 1}
+    pillow_heif.from_pillow(picture).save(path, quality=-1, chroma=444, **numbers)
+    frame = PhotoSource(path).read()
+    assert frame is not None
+    return np.asarray(frame.image_bgr[32, 32::64, ::-1])
+
+
+@pytest.mark.parametrize(
+    ("primaries", "transfer", "chromaticities"),
+    [
+        (BT2020_PRIMARIES, HLG_TRANSFER, REC_2020),
+        (P3_PRIMARIES, SRGB_TRANSFER, P3),
+        (BT709, SRGB_TRANSFER, REC_709),
+    ],
+)
+def test_heic_has_the_colours_that_its_numbers_state(
+    tmp_path: Path, primaries: int, transfer: int, chromaticities: Float
+) -> None:
+    """As of cameras' HDR, and of phones without a profile."""
+    coded = in_primaries(COLOURS, chromaticities)
+    np.testing.assert_allclose(heic(tmp_path / "a.heic", coded, primaries, transfer).astype(int), COLOURS, atol=4)
+
+
+def test_pq_of_a_heic_is_no_grey_haze(tmp_path: Path) -> None:
+    """BT.2408, table 1: reference white is 58 % of PQ, and 75 % of HLG, which is shown as it is."""
+    greys = np.repeat(np.array([[0], [97], [148]], np.uint8), 3, axis=1)
+    seen = heic(tmp_path / "canon.hif", greys, BT2020_PRIMARIES, PQ_TRANSFER)
+    np.testing.assert_allclose(seen.astype(int), np.repeat([[0], [97], [191]], 3, axis=1), atol=5)
+
+
+def of_dcf(path: Path, rgb: Image, index: str, **saved: bytes) -> Image:
+    """Written as a camera does that keeps to DCF, by the interoperability index, and read: (n, 3) RGB."""
+    exif = PIL.Image.Exif()
+    exif.get_ifd(PIL.ExifTags.IFD.Exif)[PIL.ExifTags.IFD.Interop] = {1: index}
+    picture = PIL.Image.fromarray(np.repeat(np.repeat(rgb[None], 16, axis=0), 16, axis=1))
+    picture.save(path, exif=exif, quality=100, subsampling=0, **saved)
+    frame = PhotoSource(path).read()
+    assert frame is not None
+    return np.asarray(frame.image_bgr[8, 8::16, ::-1])
+
+
+def test_adobe_rgb_of_a_camera_has_its_true_colours_without_a_profile(tmp_path: Path) -> None:
+    linear = linear_from_srgb(COLOURS / 255) @ (np.linalg.inv(xyz_from_rgb(ADOBE)) @ xyz_from_rgb(REC_709)).T
+    coded = np.rint(255 * linear.clip(0, 1) ** (256 / 563)).astype(np.uint8)
+    assert np.abs(coded.astype(int) - COLOURS).max() > 10
+    np.testing.assert_allclose(of_dcf(tmp_path / "a.jpg", coded, "R03").astype(int), COLOURS, atol=4)
+
+
+def test_srgb_of_a_camera_keeps_its_bits_and_a_profile_goes_before_the_camera(tmp_path: Path) -> None:
+    plain = of_dcf(tmp_path / "plain.jpg", COLOURS, "R98")
+    np.testing.assert_allclose(plain.astype(int), COLOURS, atol=2)
+    np.testing.assert_array_equal(of_dcf(tmp_path / "edited.jpg", COLOURS, "R03", icc_profile=profile(SRGB)), plain)
+
+
+def test_a_tall_photo_is_converted_to_its_last_row(tmp_path: Path) -> None:
+    tall = np.full((601, 1, 3), (200, 100, 60), np.uint8)
+    exif = PIL.Image.Exif()
+    exif.get_ifd(PIL.ExifTags.IFD.Exif)[PIL.ExifTags.IFD.Interop] = {1: "R03"}
+    PIL.Image.fromarray(tall).save(tmp_path / "a.webp", exif=exif, lossless=True)
+    frame = PhotoSource(tmp_path / "a.webp").read()
+    assert frame is not None
+    assert frame.image_bgr[0, 0, 2] > 210
+    assert (frame.image_bgr == frame.image_bgr[0]).all()

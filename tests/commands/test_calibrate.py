@@ -6,6 +6,8 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import PIL.ExifTags
+import PIL.Image
 import pytest
 
 from ashe_live.capture.recording.recorder import Recorder
@@ -62,6 +64,22 @@ def test_a_folder_of_photos_gives_a_camera_file(run, pictures: list[Image], tmp_
     assert outcome.status == 0
     assert outcome.err[0].endswith("passed over, as not named as photos: notes.txt")
     assert read_camera_file(path).K[0, 0] == pytest.approx(430, rel=0.01)
+
+
+def test_photos_that_a_phone_turned_are_of_one_camera(run, pictures: list[Image], tmp_path: Path) -> None:
+    """Looking down, it turns them as it happens to be tilted: all count as turned as the first one is, clockwise."""
+    folder, path = tmp_path / "photos", tmp_path / "camera.json"
+    folder.mkdir()
+    for number, picture in enumerate(pictures[::2]):
+        exif = PIL.Image.Exif()
+        exif[PIL.ExifTags.Base.Orientation] = (6, 3, 1, 8)[number % 4]
+        PIL.Image.fromarray(picture).save(folder / f"{number:02}.jpg", exif=exif, quality=98)
+    assert run("calibrate", "--camera", folder, "--out", path).status == 0
+    camera = read_camera_file(path)
+    assert camera.size == SIZE[::-1]
+    assert camera.K[0, 0] == pytest.approx(430, rel=0.01)
+    # The sensor's 245, 176; half a turn more would mirror that at the centre.
+    np.testing.assert_allclose(camera.K[:2, 2], (SIZE[1] - 1 - 176, 245), atol=2)
 
 
 def test_a_photo_of_the_board_is_not_overwritten(run, pictures: list[Image], tmp_path: Path) -> None:

@@ -1,7 +1,9 @@
 """Wrong use: one line that says what and where to read on, and status 2."""
 
 import argparse
+import os
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -90,6 +92,24 @@ def test_wrong_use_is_one_line_and_status_2(run, arguments, said):
     assert len(lines) == 1
     assert lines[0].startswith("ashe-live: ")
     assert said in lines[0]
+
+
+@pytest.mark.parametrize("arguments", [["play"], ["estimate", "a.jpg"], ["play", "--headless", "--out", "b.png"]])
+def test_of_a_file_whose_name_begins_as_a_flag_it_is_said_how_to_name_it(run, arguments, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    outcome = run(*arguments, "-1.jpg")
+    assert outcome.status == 2
+    assert "for the file" not in outcome.err[0]
+    Path("-1.jpg").write_bytes(b"x")
+    outcome = run(*arguments, "-1.jpg")
+    assert outcome.status == 2
+    assert outcome.err[0].endswith(f": for the file -1.jpg give .{os.sep}-1.jpg (see ashe-live {arguments[0]} --help)")
+
+
+def test_a_file_that_is_called_as_a_flag_is_leaves_it_one(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("--headless").write_bytes(b"x")
+    assert "for the file" not in run("play", "--headless", "--out", "b.png").err[0]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

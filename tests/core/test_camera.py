@@ -68,6 +68,13 @@ def test_resizing_allows_for_rounding_to_whole_pixels_and_refuses_another_shape(
         fitted(camera, (640, 480), "the lens")
 
 
+@pytest.mark.parametrize(("size", "said"), [((1080, 1920), "hold the camera as"), ((640, 480), "at this aspect ratio")])
+def test_of_a_picture_that_was_taken_upright_the_other_way_to_hold_the_camera_is_named(size, said: str) -> None:
+    with pytest.raises(UserError, match="does not fit the picture") as caught:
+        fitted(Camera.from_hfov((1920, 1080), 60), size)
+    assert said in caught.value.remedy
+
+
 @pytest.mark.parametrize("count", range(16))
 def test_distortion_has_as_many_coefficients_as_opencv_takes(count: int) -> None:
     def with_distortion() -> Camera:

@@ -118,6 +118,31 @@ def test_an_address_is_named_as_one_with_both_slashes(address: str) -> None:
     assert caught.value.message.startswith(address if "//" in address else address.replace(":/", "://"))
 
 
+@pytest.mark.parametrize(
+    ("address", "path"),
+    [
+        ("file:///a/b%20c.mp4", "/a/b c.mp4"),
+        ("FILE://localhost/a/b.mp4", "/a/b.mp4"),
+        ("file:/a/ä.mp4", "/a/ä.mp4"),
+        ("file:///C:/a/b.mp4", "C:/a/b.mp4"),
+    ],
+)
+def test_of_the_address_of_a_file_the_path_is_told_that_it_stands_for(address: str, path: str) -> None:
+    """As file managers and browsers copy it."""
+    with pytest.raises(UserError, match="is the address of a file") as caught:
+        opened(Path(address))
+    assert caught.value.remedy == f"give its path, {path}"
+
+
+def test_standard_input_is_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UserError, match="nothing is read from standard input"):
+        opened(Path("-"))
+    Path("-").write_bytes(b"x")
+    with opened(Path("-")) as stream:
+        assert stream.read() == b"x"
+
+
 def test_a_file_may_be_called_as_an_address_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "https:").mkdir()

@@ -94,6 +94,12 @@ class FakeClip(FakeSource):
         self.sought.append(index)
         self._index = index
 
+    def pass_over(self, is_shown: Callable[[float], bool]) -> bool:
+        if self._index >= self._count - 1 or is_shown(self._index / self.fps):
+            return False
+        self._index += 1
+        return True
+
 
 class FakeTracker:
     """Finds the marker in every frame. `hook(frame)` runs first."""

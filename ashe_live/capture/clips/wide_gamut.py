@@ -1,8 +1,9 @@
-"""Colours of HDR clips, as phones record them, and of screens with wide primaries, as those of any other picture: sRGB.
+"""Colours of HDR clips and photos, and of others with wide primaries, as those of any other picture: sRGB.
 
 Rec. ITU-R BT.2100 has two ways to encode HDR, both with the wide primaries of BT.2020. HLG is made to be shown as it
 is by a screen that knows no HDR, but for its primaries; PQ states nits, and becomes HLG as BT.2100 and BT.2408 bridge
-the two, by a screen of 1000 nits. Computers, which record their own screens, have PQ with other primaries too.
+the two, by a screen of 1000 nits. Computers, which record their own screens, have PQ with other primaries too. Cameras
+that are set to Adobe RGB, of which no number of a clip tells, say so in the EXIF data of their photos.
 """
 
 from collections.abc import Callable
@@ -29,6 +30,13 @@ RGB_709_FROM_P3: Float = np.array([
     [-0.0421, 1.0421, 0.0],
     [-0.0196, -0.0786, 1.0983],
 ])  # fmt: skip
+# From those of Adobe RGB (1998), whose curve is a power: its Color Image Encoding of 2005, 4.3.1 and 4.3.4.
+RGB_709_FROM_ADOBE: Float = np.array([
+    [1.3984, -0.3984, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, -0.0429, 1.0429],
+])  # fmt: skip
+ADOBE_GAMMA = 563 / 256
 BY_PRIMARIES = {BT2020_PRIMARIES: RGB_709_FROM_2020, DISPLAY_P3_PRIMARIES: RGB_709_FROM_P3}
 
 SCREEN_NITS = 1000.0
@@ -43,15 +51,25 @@ def srgb_converter(primaries: int, transfer: int) -> Callable[[Image], Image] | 
         primaries = BT2020_PRIMARIES  # BT.2100 has no others
     if primaries not in BY_PRIMARIES and not is_pq:
         return None
-    rgb_709 = BY_PRIMARIES.get(primaries, np.eye(3))
-    bgr_709 = np.ascontiguousarray(rgb_709[::-1, ::-1], dtype=np.float32)
     coded = np.arange(256) / 255
-    linear = linear_from_srgb(hlg_from_pq(coded) if is_pq else coded).astype(np.float32)
+    linear = linear_from_srgb(hlg_from_pq(coded) if is_pq else coded)
+    return _converter(linear, BY_PRIMARIES.get(primaries, np.eye(3)))
+
+
+def srgb_from_adobe_rgb() -> Callable[[Image], Image]:
+    """As `srgb_converter`, of a picture in Adobe RGB."""
+    return _converter((np.arange(256) / 255) ** ADOBE_GAMMA, RGB_709_FROM_ADOBE)
+
+
+def _converter(linear: Float, rgb_709: Float) -> Callable[[Image], Image]:
+    """Of pictures whose values stand for `linear` (256,) light of primaries that `rgb_709` (3, 3) makes BT.709's."""
+    linear_table = linear.astype(np.float32)
+    bgr_709 = np.ascontiguousarray(rgb_709[::-1, ::-1], dtype=np.float32)
     # By the root, of which equal steps are nearly as fine as sRGB's own; the table itself is sRGB's.
     encoded = np.round(255 * srgb_from_linear((np.arange(SRGB_STEPS) / (SRGB_STEPS - 1)) ** 2)).astype(np.uint8)
 
     def converted(image_bgr: Image) -> Image:
-        wide = cv2.transform(cv2.LUT(image_bgr, linear), bgr_709)
+        wide = cv2.transform(cv2.LUT(image_bgr, linear_table), bgr_709)
         roots = np.sqrt(np.clip(wide, 0.0, 1.0, out=wide), out=wide)
         return encoded[np.rint(np.multiply(roots, SRGB_STEPS - 1, out=roots), out=roots).astype(np.uint16)]
 

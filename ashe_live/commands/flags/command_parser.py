@@ -1,6 +1,7 @@
 """A parser that says in one line what is wrong with a command line, and what may have been meant."""
 
 import argparse
+import os
 import sys
 from collections.abc import Iterable, Sequence
 from typing import NoReturn
@@ -26,10 +27,12 @@ class ShowVersion(argparse.Action):
 class CommandParser(argparse.ArgumentParser):
     """Says what is wrong in one line, without the usage that hides it."""
 
+    _given: Sequence[str] = ()  # the words that are parsed
+
     def parse_known_args(  # type: ignore[override]
         self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
     ) -> tuple[argparse.Namespace, list[str]]:
-        given = sys.argv[1:] if args is None else list(args)
+        self._given = given = sys.argv[1:] if args is None else list(args)
         options, left = super().parse_known_args(given, namespace)
         # Behind "--" no word is a flag, whatever it begins with.
         flags = [word for word in left if word.startswith("-") and word in given[: _place(given, "--")]]
@@ -77,8 +80,15 @@ class CommandParser(argparse.ArgumentParser):
         return f": did you mean {named[near[0]]}?" if near else ""
 
     def error(self, message: str) -> NoReturn:
-        print_message(f"{message} (see {self.prog} --help)")
+        print_message(f"{message}{self._file_that_begins_as_a_flag()} (see {self.prog} --help)")
         self.exit(ExitStatus.WRONG_USE)
+
+    def _file_that_begins_as_a_flag(self) -> str:
+        """What is to be written for a file such as `-1.jpg`, where one of the words names it; empty where none does."""
+        flags = (word for word in self._given[: _place(self._given, "--")] if word.startswith("-"))
+        unknown = (word for word in flags if word.partition("=")[0] not in self._option_string_actions)
+        file = next((word for word in unknown if os.path.isfile(word)), None)  # noqa: PTH113 - never raises an error
+        return "" if file is None else f": for the file {file} give .{os.sep}{file}"
 
     def print_help(self, _file: object = None) -> None:
         # Argparse's own method says nothing if the text cannot be written.

@@ -81,6 +81,8 @@ class CaptureLoop:
             self._wait(lambda: not self._wish.paused)
             self._pace.begin_anew()
         self._go_where_sent()
+        if self._is_passed_over():
+            return
         frame = self._read()
         if frame is None:
             if not self._source.is_live:
@@ -167,6 +169,16 @@ class CaptureLoop:
         self._publish(at=self.state.shown, has_ended=True, status=f"{error.message}: {remedy}")
         self._wait(lambda: False)
         self._publish(has_ended=False)
+
+    def _is_passed_over(self) -> bool:
+        """Whether the next frame is late already, or comes too soon: then no picture is made of it."""
+        if self._clip is None:
+            return False
+        self._publish(asked_s=time.monotonic())
+        try:
+            return self._clip.pass_over(lambda time_s: self._pace.shows(time_s, self._period_s, time.monotonic()))
+        finally:
+            self._publish(asked_s=None)
 
     def _read(self) -> Frame | None:
         self._publish(asked_s=time.monotonic())

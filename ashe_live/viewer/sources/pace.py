@@ -1,9 +1,12 @@
 """Decides when the frames of a clip are due, and which of them are skipped."""
 
 import math
+from copy import copy
 from typing import NamedTuple
 
 FALLEN_BEHIND_S = 0.25
+# So long at most no frame is shown, however late all are: a machine that hardly decodes in time shows these alone.
+LONGEST_GAP_S = 0.25
 # At a higher rate a clip would have more frames than displays show.
 FAST_HZ = 60.0
 
@@ -23,6 +26,7 @@ class Pace:
         self._due_s: float | None = None  # when the last frame was due; None: the next one starts the schedule
         self._time_s = 0.0
         self._from_s = -math.inf  # where in a clip's time the schedule starts, if later than its first frame
+        self._shown_s = -math.inf  # when the last frame was shown
         self._next_fast_s = -math.inf  # at high speeds no frame is shown before this
 
     def begin_anew(self, from_s: float = -math.inf) -> None:
@@ -37,6 +41,10 @@ class Pace:
         if self._due_s is not None:
             self._due_s, self._time_s = self._due_s + period_s / self.speed, 0.0
 
+    def shows(self, time_s: float, period_s: float, now_s: float) -> bool:
+        """Whether `next` would have the frame shown; nothing is scheduled."""
+        return copy(self).next(time_s, period_s, now_s).is_shown
+
     def next(self, time_s: float, period_s: float, now_s: float) -> Due:
         """Schedules the next frame of a clip that has one every `period_s`."""
         if self._due_s is None:
@@ -50,4 +58,7 @@ class Pace:
             return Due(-late_s, False)
         # Half a period early, because the frame rates of most clips do not divide the display's evenly.
         self._next_fast_s = due_s + 1 / FAST_HZ - period_s / 2
-        return Due(-late_s, late_s <= period_s or late_s > FALLEN_BEHIND_S)
+        is_shown = late_s <= period_s or late_s > FALLEN_BEHIND_S or now_s - self._shown_s > LONGEST_GAP_S
+        if is_shown:
+            self._shown_s = now_s + max(0.0, -late_s)
+        return Due(-late_s, is_shown)

@@ -123,6 +123,31 @@ def test_where_pictures_are_decoded_in_another_order_and_no_times_say_which(film
     assert_seeks_right(path)
 
 
+def test_frames_that_are_passed_over_are_decoded_only_and_the_last_one_stays(film, monkeypatch) -> None:
+    path = film(EVEN, g="12", bf="2")
+    frames, made = frames_of(path), []
+    make = ClipSource._upright_bgr
+    monkeypatch.setattr(ClipSource, "_upright_bgr", lambda clip, video: made.append(video.pts) or make(clip, video))
+    asked = []
+    with ClipSource(path) as clip:
+        made.clear()
+        assert not clip.pass_over(lambda time_s: asked.append(time_s) or True)
+        assert_same(clip.read(), frames[0])
+        for _ in range(4):
+            assert clip.pass_over(lambda time_s: asked.append(time_s))
+        assert_same(clip.read(), frames[5])
+        clip.seek_frame(3)  # back over what was passed
+        assert_same(clip.read(), frames[3])
+        while clip.pass_over(lambda _time_s: False):
+            pass
+        assert_same(clip.read(), frames[-1])
+        assert not clip.pass_over(lambda _time_s: False)
+        assert clip.read() is None
+        assert clip.note is None
+    assert asked == [frame.time_s for frame in frames[:5]]
+    assert len(made) == 4
+
+
 def test_of_a_rotated_clip(film) -> None:
     path = film(UNEVEN, turns=1, bf="2", g="12")
     assert frames_of(path)[0].size == (64, 96)

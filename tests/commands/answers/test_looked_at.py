@@ -50,6 +50,9 @@ class Clip(Source):
     def seek_frame(self, index: int) -> None:
         self.next = index
 
+    def pass_over(self, _is_shown: object) -> bool:
+        return False
+
     def close(self) -> None:
         pass
 

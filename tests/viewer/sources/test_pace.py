@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from ashe_live.viewer.sources.pace import FALLEN_BEHIND_S, FAST_HZ, Pace
+from ashe_live.viewer.sources.pace import FALLEN_BEHIND_S, FAST_HZ, LONGEST_GAP_S, Pace
 
 FPS = 32.0  # binary fractions throughout, so that moments are compared exactly
 PERIOD_S = 1 / FPS
@@ -72,6 +72,34 @@ def test_a_machine_that_is_a_little_late_leaves_frames_out_and_keeps_up() -> Non
     # Of five periods four frames are shown, none later than by the frame that it keeps from being shown.
     assert len(player.shown_s) == pytest.approx(0.8 * 320, abs=1)
     assert max(player.lags_s) <= PERIOD_S
+
+
+def test_a_machine_that_hardly_decodes_in_time_still_shows_some_frames() -> None:
+    """Of each frame decoding takes nearly a period, and of one that is shown the rest two: half a second to make up."""
+    pace, now_s, shown_s = Pace(), 0.0, []
+    for time_s in frames(640):
+        now_s += 0.95 * PERIOD_S
+        due = pace.next(time_s, PERIOD_S, now_s)
+        now_s += max(0.0, due.wait_s)
+        if due.is_shown:
+            shown_s.append(now_s)
+            now_s += 2 * PERIOD_S
+    assert max(np.diff(shown_s)) <= LONGEST_GAP_S + PERIOD_S
+
+
+def test_what_would_be_shown_is_told_beforehand_and_schedules_nothing() -> None:
+    """Whether late, fallen behind, too soon at a high speed or on time."""
+    for speed in (1.0, 4.0):
+        pace, now_s, shown = Pace(), 0.0, set()
+        pace.speed = speed
+        for number in range(200):
+            time_s = number * PERIOD_S
+            told = [pace.shows(time_s, PERIOD_S, now_s) for _ in range(2)]
+            due = pace.next(time_s, PERIOD_S, now_s)
+            assert told == 2 * [due.is_shown]
+            shown.add(due.is_shown)
+            now_s += max(0.0, due.wait_s) + (number % 17 == 0) * 0.1 + (number % 50 == 0) * 0.4
+        assert shown == {True, False}
 
 
 def test_what_has_fallen_far_behind_goes_on_from_there_and_does_not_hurry() -> None:

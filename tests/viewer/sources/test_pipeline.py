@@ -133,6 +133,20 @@ def test_the_last_frame_is_shown_however_late(make, fakes, clock):
     assert stepped(make(source), 5) == [0, None, None, None, 3]
 
 
+def test_no_picture_is_made_of_a_clip_s_frames_that_are_late_already(make, fakes, clock):
+    """Tracking takes 32 ms, and frames come every 5 ms: those between are passed over, and the pace is the clip's."""
+    source, tracker = fakes.Clip(20, fps=200.0), fakes.Tracker()
+    read = []
+    source.hook = read.append
+
+    def take_time(_frame: object) -> None:
+        clock.now += 0.032
+
+    tracker.hook = take_time
+    shown = stepped(make(source, tracker=tracker), 20)
+    assert [index for index in shown if index is not None] == read == [0, 6, 12, 19]
+
+
 def test_restart_begins_anew_also_at_the_end(run, fakes):
     source, tracker = fakes.Source(4), fakes.Tracker()
     pipeline = run(source, tracker=tracker)
