@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import resource
 import shutil
 import subprocess
@@ -286,10 +287,22 @@ def test_a_folder_is_checked_without_being_made(tmp_path: Path) -> None:
         with pytest.raises(UserError, match="is a file, not a folder"):
             check_folder(tmp_path / wrong)
     for wrong in ("n" * 300, "nul\0"):
-        with pytest.raises(UserError, match="cannot write"):
+        with pytest.raises(UserError, match=re.escape(f"cannot write {tmp_path / wrong} (")):
             check_folder(tmp_path / wrong)
     with pytest.raises(UserError, match="exists already"):
         check_folder(tmp_path, ("file",))
+
+
+@pytest.mark.parametrize("right", [os.W_OK, os.X_OK])
+def test_a_folder_in_which_nothing_may_be_made_is_said_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, right: int
+) -> None:
+    """Root may do everything, so the system's answer is put in its place: without one of the two rights it is no."""
+    asked: list[Path] = []
+    monkeypatch.setattr(os, "access", lambda path, mode: asked.append(path) or not mode & right)
+    with pytest.raises(UserError, match=re.escape(f"cannot write {tmp_path / 'new' / 'results'} (Permission denied)")):
+        check_folder(tmp_path / "new" / "results")
+    assert asked == [tmp_path]
 
 
 def test_a_folder_that_must_not_be_written_to_is_said_before() -> None:
@@ -368,8 +381,11 @@ def test_a_folder_is_made_with_its_parents_or_it_is_said_why_not(tmp_path: Path)
         make_folder(tmp_path / "new" / "results")
     assert (tmp_path / "new" / "results").is_dir()
     (tmp_path / "file").write_text("mine")
-    for wrong in ("file", "file/within", "n" * 300, "nul\0"):
-        with pytest.raises(UserError, match="folder"):
+    for wrong, said in (
+        ("file", "{} is a file, not a folder"),
+        *((wrong, "cannot write {} (") for wrong in ("file/within", "n" * 300, "nul\0")),
+    ):
+        with pytest.raises(UserError, match=re.escape(said.format(tmp_path / wrong))):
             make_folder(tmp_path / wrong)
 
 
