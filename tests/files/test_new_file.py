@@ -216,13 +216,27 @@ def test_an_unnamed_file_that_cannot_be_given_a_name_is_said_and_gone(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_looking_whether_a_file_can_be_written_leaves_nothing_open(tmp_path: Path) -> None:
+def test_neither_writing_a_file_nor_looking_whether_it_can_be_leaves_anything_open(tmp_path: Path) -> None:
     if not Path("/proc/self/fd").is_dir():
         pytest.skip("no /proc on this system")
     before = len(os.listdir("/proc/self/fd"))  # noqa: PTH208 - Path.iterdir would itself be one more
     check_output(tmp_path / "a.txt", overwrite=False)
     assert len(os.listdir("/proc/self/fd")) == before  # noqa: PTH208
     assert list(tmp_path.iterdir()) == []
+    for overwrite in (False, True):
+        write(tmp_path / "a.txt", "whole", overwrite)
+    assert len(os.listdir("/proc/self/fd")) == before  # noqa: PTH208
+
+
+def test_where_there_are_hard_links_no_name_is_reserved(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
+    """An empty file would stay if the program were killed between that and the next step."""
+    if request.node.callspec.params["a_system"] == "without hard links":
+        pytest.skip("there are none")
+    monkeypatch.setattr(NewFile, "_moved_onto_reservation", lambda *_: pytest.fail("reserved"))
+    assert write(tmp_path / "a.txt", "whole").read_text() == "whole"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
 
 
 def test_what_appears_before_a_result_is_written_stays_too(tmp_path: Path) -> None:
@@ -309,8 +323,9 @@ def test_a_folder_that_must_not_be_written_to_is_said_before() -> None:
     """Linux lets nobody, not even root, create a file here."""
     if not Path("/proc").is_dir():
         pytest.skip("no /proc on this system")
-    with pytest.raises(UserError, match="cannot write"):
-        check_output(Path("/proc/a.txt"), overwrite=False)
+    for refused in (lambda path: check_output(path, overwrite=False), NewFile):
+        with pytest.raises(UserError, match=r"cannot write /proc/a\.txt \("):
+            refused(Path("/proc/a.txt"))
 
 
 @pytest.mark.parametrize("stem", ["ä" * 125, "a" * 250, "x"])
