@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from ashe_live.capture import camera_error as camera_errors
+from ashe_live.capture import webcam
 from ashe_live.capture.camera_error import camera_error, check_is_device, programs_using
 from ashe_live.capture.sources import SourceLost
 from ashe_live.capture.webcam import BACKEND, WebcamSource, open_opencv_capture
@@ -114,12 +115,33 @@ def test_a_camera_is_asked_for_its_size_in_a_format_that_usb_carries(
 
 
 def test_a_camera_that_is_closed_is_free_for_others() -> None:
-    capture = Flowing(1)
+    capture, before = Flowing(1), threading.enumerate()
     with WebcamSource(0, open_capture=one_after_another(capture)) as source:
         assert source.fps == 15.0
         assert source.is_live
         assert not source.is_photo
         assert not capture.released.is_set()
+        (grabber,) = (thread for thread in threading.enumerate() if thread not in before)
+        assert grabber.daemon, "a driver that hangs does not keep the program from its end"
+    assert capture.released.wait(PATIENCE_S)
+    with pytest.raises(SourceLost):
+        source.read()
+
+
+def test_a_camera_that_shows_nothing_for_long_is_given_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As soon as it lets go of the thread that waits in it."""
+    monkeypatch.setattr(webcam, "FIRST_PICTURE_S", 0.0)
+    monkeypatch.setattr(webcam, "PATIENCE_S", 0.0)
+    lets_go = threading.Event()
+
+    class Silent(Flowing):
+        def grab(self) -> bool:
+            return lets_go.wait(PATIENCE_S)
+
+    capture = Silent(1)
+    with pytest.raises(UserError):
+        WebcamSource(987, open_capture=one_after_another(capture))
+    lets_go.set()
     assert capture.released.wait(PATIENCE_S)
 
 
@@ -262,10 +284,19 @@ class TestRemedy:
         assert "ashe-live play" in camera_error(0, tmp_path).remedy
         assert camera_error(str(tmp_path / "cam"), tmp_path).message == f"there is no camera {tmp_path / 'cam'}"
 
-    def test_forbidden_camera_names_the_group(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    @pytest.mark.parametrize("right", [os.R_OK, os.W_OK])
+    def test_forbidden_camera_names_the_group(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, right: int
+    ) -> None:
         (tmp_path / "video0").touch()
-        monkeypatch.setattr(os, "access", lambda path, mode: False)  # noqa: ARG005
+        monkeypatch.setattr(os, "access", lambda path, mode: not mode & right)  # noqa: ARG005
         assert "group video" in camera_error(0, tmp_path).remedy
+
+    def test_on_other_systems_the_privacy_settings_are_named(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(sys, "platform", "darwin")
+        error = camera_error(1)
+        assert error.message == "camera 1 cannot be used"
+        assert "privacy settings" in error.remedy
 
     def test_busy_camera_names_other_programs(self, tmp_path: Path) -> None:
         (tmp_path / "video0").touch()
