@@ -69,7 +69,9 @@ def left(content: bytes) -> tuple[list[bytes], bytes | None]:
     ],
 )
 def test_most_pictures_are_read_from_their_own_file(chunks: bytes) -> None:
-    for content in (picture(chunks), picture(after=chunks), picture(chunks)[:-40], b"\xff\xd8\xff" + picture(chunks)):
+    behind_its_end = picture(chunks) + text(LARGE)  # nobody reads that
+    starts_otherwise, breaks_off = b"\xff\xd8\xff" + picture(chunks), picture(chunks)[:-40]
+    for content in (picture(chunks), picture(after=chunks), behind_its_end, starts_otherwise, breaks_off):
         file = io.BytesIO(content)
         assert readable(file) == (file, None)
         assert file.tell() == 0
