@@ -1,5 +1,6 @@
 """What is finished where a display goes, without a display: Xlib's call is made by hand, in a process of its own."""
 
+import os
 import subprocess
 import sys
 
@@ -33,7 +34,10 @@ with ExitStack() as endings:
 def test_what_is_under_way_is_finished_the_last_first_and_the_process_ends_at_once(fails: bool) -> None:
     """Without the interpreter's own end, in which a window would be closed, and X be asked again."""
     code = BEFORE + ("    within(fail)\n" if fails else "") + "    x_errors._end(0)"
-    ran = subprocess.run([sys.executable, "-c", code], cwd=CHECKOUT, capture_output=True, text=True, timeout=PATIENCE_S)
+    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    ran = subprocess.run(
+        [sys.executable, "-c", code], cwd=CHECKOUT, env=buffered, capture_output=True, text=True, timeout=PATIENCE_S
+    )
     assert ran.returncode == ExitStatus.WRONG_USE
     said, _, traceback = ran.stderr.partition("\n")
     assert said == f"ashe-live: {DISPLAY_LOST}"
