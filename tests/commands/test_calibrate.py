@@ -137,6 +137,24 @@ def test_no_size_is_asked_of_photos(run, pictures: list[Image], tmp_path: Path) 
     assert "--size" in outcome.refusal
 
 
+@pytest.mark.parametrize(("camera", "opened"), [("/dev/null", "/dev/null"), ("3", 3)])
+def test_a_camera_is_asked_for_its_size_by_number_or_by_its_device(
+    run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, camera: str, opened: object
+) -> None:
+    asked: list[object] = []
+
+    def refuse(*how: object) -> None:
+        asked.append(how)
+        raise UserError("it is busy", "close what uses it")
+
+    monkeypatch.setattr(calibrate, "WebcamSource", refuse)
+    monkeypatch.setattr(calibrate, "connected", lambda: [object()])
+    assert (
+        "it is busy" in run("calibrate", "--camera", camera, "--size", "640x480", "--out", tmp_path / "a.json").refusal
+    )
+    assert asked == [(opened, (640, 480))]
+
+
 def test_a_folder_without_photos_is_refused(run, tmp_path: Path) -> None:
     assert "no photo" in run("calibrate", "--camera", tmp_path, "--out", tmp_path / "camera.json").refusal
 
