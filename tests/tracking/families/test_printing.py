@@ -136,6 +136,23 @@ def test_a_picture_of_any_name_is_printed(tmp_path: Path, picture_file: Path, su
     assert path.stat().st_size > 1000
 
 
+def test_a_long_name_stays_within_what_printers_reach(tmp_path: Path, picture_file: Path) -> None:
+    """Its letters are smaller; those of the words beside it are as large as ever."""
+    long = picture_file.rename(picture_file.with_name(f"{'the sign above the door ' * 6}.png"))
+    inked_mm = []
+    for number, spec in enumerate(("aruco:4x4_50:3", f"image:{long}")):
+        path = tmp_path / f"marker{number}.png"
+        write_marker_sheet(path, parse_marker(spec), 0.08)
+        grey, mm_per_px = as_printed(path)
+        assert all(edge.min() == 255 for edge in (grey[:, : int(8 / mm_per_px)], grey[:, -int(8 / mm_per_px) :]))
+        foot = grey[-round((PAGE_FOOT_MM - 4) / mm_per_px) : -round((PAGE_FOOT_MM - 12) / mm_per_px)] < 128
+        rows, columns = (np.flatnonzero(foot.any(axis=axis)) * mm_per_px for axis in (1, 0))
+        inked_mm.append((np.ptp(columns), np.ptp(rows)))
+    (usual_width, usual_height), (width, height) = inked_mm
+    assert usual_width < 80 < 185 < width
+    assert height < usual_height
+
+
 @pytest.mark.parametrize("side_m", [0.0, -0.08, 0.005, 2.0, float("nan"), float("inf")])
 def test_a_size_that_no_page_fits_is_refused(tmp_path: Path, side_m: float) -> None:
     with pytest.raises(UserError, match="no page fits"):
