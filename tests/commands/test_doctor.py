@@ -84,6 +84,26 @@ def test_a_probe_that_dies_is_reported_with_a_remedy(death):
     assert "driver" in caught.value.remedy
 
 
+def test_what_is_there_is_said_by_name_and_place():
+    assert [each.split()[0] for each in doctor.CHECKS["packages"]().split(", ")] == list(doctor.PACKAGES)
+    assert doctor.CHECKS["files"]() == str(resource("assets"))
+
+
+def test_a_fault_without_words_is_named_by_its_kind(run, monkeypatch):
+    def silent():
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(doctor, "CHECKS", {**dict.fromkeys(doctor.CHECKS, lambda: "well"), "camera": silent})
+    (line,) = (line for line in run("doctor").out if " camera " in line)
+    assert line.endswith(" ZeroDivisionError: install ashe-live again, or report this")
+
+
+def test_a_window_is_tried_where_there_is_a_display(monkeypatch):
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr(doctor, "isolated_probe", lambda probe: f"tried {probe.__name__}")
+    assert doctor.CHECKS["window"]() == "tried window_probe"
+
+
 def test_a_package_that_is_missing_is_named_with_how_to_install_it(monkeypatch):
     monkeypatch.setattr(doctor, "PACKAGES", ("numpy", "ashe-live-never-made"))
     with pytest.raises(UserError, match="ashe-live-never-made is not installed") as caught:
