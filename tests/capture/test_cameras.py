@@ -49,6 +49,9 @@ class FakeCapture:
 def test_cameras_come_by_number_and_with_what_identifies_their_model() -> None:
     assert connected(lambda backend: [C920, LAPTOP]) == DEVICES  # noqa: ARG005
     assert connected(lambda backend: []) == []  # noqa: ARG005
+    for half in ((0x046D, None), (None, 0x082D)):
+        (device,) = connected(lambda backend: [CameraInfo(1, "Half told", "", *half, backend)])  # noqa: B023
+        assert device == Device(1, "Half told", None)
 
 
 def test_a_camera_is_known_by_number_and_by_path() -> None:
@@ -69,7 +72,7 @@ def test_a_camera_that_cannot_be_opened_has_no_modes() -> None:
 
 def test_what_a_driver_does_not_tell_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """A size of none, and a code of no letters: OpenCV gives -1 and 0 for what it does not know."""
-    monkeypatch.setattr(FakeCapture, "sizes", ((0, 0), (640, 480)))
+    monkeypatch.setattr(FakeCapture, "sizes", ((0, 0), (640, 0), (640, 480)))
     for fourcc in (-1, 0, 0x04030201, 1 << 40):
         monkeypatch.setattr(FakeCapture, "fourcc", fourcc)
         assert list(modes_of(0, FakeCapture)) == [Mode((640, 480), 30.0, "")]

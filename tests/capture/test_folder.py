@@ -8,7 +8,7 @@ import PIL.Image
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
-from ashe_live.capture.folder import pictures_in
+from ashe_live.capture.folder import pictures_in, refuse_folder
 from ashe_live.capture.opening import open_source
 from ashe_live.errors import UserError
 
@@ -65,3 +65,29 @@ def test_a_folder_whose_files_must_not_be_read_is_not_called_empty(
     monkeypatch.setattr(os, "access", lambda path, mode: False)  # noqa: ARG005
     with pytest.raises(UserError, match=r"cannot read the folder .* \(Permission denied\)"):
         pictures_in(tmp_path, with_clips=True)
+    with pytest.raises(UserError, match="cannot read the folder"):
+        refuse_folder(tmp_path)
+
+
+def test_a_folder_is_refused_where_a_file_is_asked_for(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("f/8")
+    with pytest.raises(UserError, match="there is no photo or clip in it"):
+        refuse_folder(tmp_path)
+    refuse_folder(tmp_path / "notes.txt")
+    refuse_folder(tmp_path / "missing")
+
+
+def test_a_link_into_a_folder_that_must_not_be_entered_is_passed_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("a.jpg", "link.jpg"):
+        picture(tmp_path / name)
+    is_file = Path.is_file
+
+    def looked_at(path: Path) -> bool:
+        if path.name == "link.jpg":
+            raise PermissionError
+        return is_file(path)
+
+    monkeypatch.setattr(Path, "is_file", looked_at)
+    assert pictures_in(tmp_path, with_clips=True) == ([tmp_path / "a.jpg"], None)

@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 from ashe_live.capture import camera_error as camera_errors
+from ashe_live.capture import webcam
 from ashe_live.capture.camera_error import camera_error, check_is_device, programs_using
 from ashe_live.capture.sources import SourceLost
-from ashe_live.capture.webcam import WebcamSource, open_opencv_capture
+from ashe_live.capture.webcam import BACKEND, WebcamSource, open_opencv_capture
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 from tests.patience import PATIENCE_S
@@ -98,14 +99,15 @@ def test_a_camera_is_asked_for_its_size_in_a_format_that_usb_carries(
     asked: list[tuple[int, float]] = []
 
     class Asked:
-        def __init__(self, *_: object) -> None: ...
+        def __init__(self, *where: object) -> None:
+            assert where == (7, BACKEND)
 
         def set(self, prop: int, value: float) -> None:
             asked.append((prop, value))
 
     monkeypatch.setattr(cv2, "VideoCapture", Asked)
     monkeypatch.delenv("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", raising=False)
-    open_opencv_capture(0, size)
+    open_opencv_capture(7, size)
     assert float(os.environ.pop("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT")) < 10
     assert asked[0] == (cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*"MJPG"))
     sides = [] if size is None else [(cv2.CAP_PROP_FRAME_WIDTH, size[0]), (cv2.CAP_PROP_FRAME_HEIGHT, size[1])]
@@ -113,10 +115,33 @@ def test_a_camera_is_asked_for_its_size_in_a_format_that_usb_carries(
 
 
 def test_a_camera_that_is_closed_is_free_for_others() -> None:
-    capture = Flowing(1)
+    capture, before = Flowing(1), threading.enumerate()
     with WebcamSource(0, open_capture=one_after_another(capture)) as source:
         assert source.fps == 15.0
+        assert source.is_live
+        assert not source.is_photo
         assert not capture.released.is_set()
+        (grabber,) = (thread for thread in threading.enumerate() if thread not in before)
+        assert grabber.daemon, "a driver that hangs does not keep the program from its end"
+    assert capture.released.wait(PATIENCE_S)
+    with pytest.raises(SourceLost):
+        source.read()
+
+
+def test_a_camera_that_shows_nothing_for_long_is_given_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As soon as it lets go of the thread that waits in it."""
+    monkeypatch.setattr(webcam, "FIRST_PICTURE_S", 0.0)
+    monkeypatch.setattr(webcam, "PATIENCE_S", 0.0)
+    lets_go = threading.Event()
+
+    class Silent(Flowing):
+        def grab(self) -> bool:
+            return lets_go.wait(PATIENCE_S)
+
+    capture = Silent(1)
+    with pytest.raises(UserError):
+        WebcamSource(987, open_capture=one_after_another(capture))
+    lets_go.set()
     assert capture.released.wait(PATIENCE_S)
 
 
@@ -171,17 +196,31 @@ def test_lost_camera_is_said_and_resumes_where_it_was() -> None:
 
 def test_reopening_asks_for_the_size_it_had_and_accepts_no_other() -> None:
     asked: list[tuple[int, int] | None] = []
-    captures = iter([FakeCapture(1), FakeCapture(9, size=(32, 24))])
+    captures = [FakeCapture(1), FakeCapture(9, size=(32, 24))]
 
     def open_capture(camera: int | str, size: tuple[int, int] | None) -> FakeCapture:  # noqa: ARG001
         asked.append(size)
-        return next(captures)
+        return captures[len(asked) - 1]
 
     source = WebcamSource(0, (640, 480), open_capture)
     source.read()
     with pytest.raises(UserError, match="32x24 and not 64x48"):
         source.reopen()
     assert asked == [(640, 480), (64, 48)]
+    assert captures[1].released.wait(PATIENCE_S), "others may use it as it is"
+
+
+def test_a_camera_is_given_back_before_it_is_opened_again() -> None:
+    """A system gives it to one program at a time, also to this one."""
+    first, second = Flowing(1), Flowing(1)
+
+    def open_capture(camera: int | str, size: tuple[int, int] | None) -> FakeCapture:  # noqa: ARG001
+        assert size is None or first.released.is_set()
+        return first if size is None else second
+
+    with WebcamSource(0, open_capture=open_capture) as source:
+        assert source.reopen()
+        assert source.read().size == (64, 48)
 
 
 def test_another_size_in_mid_run_counts_as_lost_and_it_may_come_back_as_it_was() -> None:
@@ -245,10 +284,19 @@ class TestRemedy:
         assert "ashe-live play" in camera_error(0, tmp_path).remedy
         assert camera_error(str(tmp_path / "cam"), tmp_path).message == f"there is no camera {tmp_path / 'cam'}"
 
-    def test_forbidden_camera_names_the_group(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    @pytest.mark.parametrize("right", [os.R_OK, os.W_OK])
+    def test_forbidden_camera_names_the_group(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, right: int
+    ) -> None:
         (tmp_path / "video0").touch()
-        monkeypatch.setattr(os, "access", lambda path, mode: False)  # noqa: ARG005
+        monkeypatch.setattr(os, "access", lambda path, mode: not mode & right)  # noqa: ARG005
         assert "group video" in camera_error(0, tmp_path).remedy
+
+    def test_on_other_systems_the_privacy_settings_are_named(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(sys, "platform", "darwin")
+        error = camera_error(1)
+        assert error.message == "camera 1 cannot be used"
+        assert "privacy settings" in error.remedy
 
     def test_busy_camera_names_other_programs(self, tmp_path: Path) -> None:
         (tmp_path / "video0").touch()
@@ -280,7 +328,11 @@ class TestRemedy:
         monkeypatch.setattr(camera_errors, "VIDEO_MAJOR", os.major(Path("/dev/null").stat().st_rdev))
         check_is_device(str(tmp_path / "cam"))
 
-    def test_opencv_says_nothing_of_its_own(self, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-        with pytest.raises(UserError, match="there is no camera"):
-            WebcamSource(str(tmp_path / "video9"))
+    def test_opencv_says_nothing_of_its_own(self, capfd: pytest.CaptureFixture[str]) -> None:
+        before = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_WARNING)
+        try:
+            with pytest.raises(UserError, match="there is no camera /dev/video987"):
+                WebcamSource(987)
+        finally:
+            cv2.utils.logging.setLogLevel(before)
         assert capfd.readouterr().err == ""

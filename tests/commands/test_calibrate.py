@@ -1,7 +1,8 @@
 """`ashe-live calibrate` from clips, and from a camera that is played by a fake."""
 
+import contextlib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import cv2
@@ -13,11 +14,16 @@ import pytest
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.sources import SourceLost
 from ashe_live.commands import calibrate
+from ashe_live.commands.viewing import setup
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, read_camera_file
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
-from ashe_live.tracking.boards.calibration_board import CalibrationBoard
+from ashe_live.tracking.boards import calibration_guide
+from ashe_live.tracking.boards.calibration import CameraCalibration
+from ashe_live.tracking.boards.calibration_board import BoardView, CalibrationBoard
+from ashe_live.tracking.boards.calibration_guide import CalibrationGuide
+from ashe_live.viewer.windows import calibration_window
 from tests.tracking.board_pictures import Lens, seen_from
 
 BOARD = CalibrationBoard()
@@ -52,6 +58,44 @@ def board_clip(pictures: list[Image], tmp_path_factory: pytest.TempPathFactory) 
         for index, picture in enumerate(pictures):
             recorder.write(picture, index / 30)
     return path
+
+
+def known(views: Sequence[BoardView], _size: object) -> CameraCalibration:
+    """What a calibration could say, at once: CAMERA, and that the second view contradicts the others."""
+    return CameraCalibration(
+        camera=CAMERA,
+        rms_px=0.21,
+        sigma_f_px=np.array((1.2, 1.3)),
+        sigma_c_px=np.array((2.1, 2.2)),
+        sigma_dist=np.array((0.01, 0.02, 0.0, 0.0, 0.0)),
+        view_rms_px=np.full(len(views), 0.2),
+        used=np.arange(len(views)) != 1,
+    )
+
+
+@pytest.fixture
+def known_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(calibration_guide, "calibrate", known)
+
+
+class Told:
+    """Guidance for nobody, which keeps what it was told, and wants to end after `most` of that."""
+
+    def __init__(self, most: int = 999) -> None:
+        self.frames: list[int] = []
+        self.views: list[BoardView | None] = []
+        self.said: list[str | None] = []
+        self._most = most
+
+    def show(self, frame: Frame, view: BoardView | None, _guide: CalibrationGuide, said: str | None) -> bool:
+        self.frames.append(frame.index)
+        self.views.append(view)
+        self.said.append(said)
+        return len(self.frames) < self._most
+
+    @contextlib.contextmanager
+    def open(self, *_: object) -> Iterator["Told"]:
+        yield self
 
 
 def test_a_folder_of_photos_gives_a_camera_file(run, pictures: list[Image], tmp_path: Path) -> None:
@@ -111,6 +155,24 @@ def test_no_size_is_asked_of_photos(run, pictures: list[Image], tmp_path: Path) 
     assert "--size" in outcome.refusal
 
 
+@pytest.mark.parametrize(("camera", "opened"), [("/dev/null", "/dev/null"), ("3", 3)])
+def test_a_camera_is_asked_for_its_size_by_number_or_by_its_device(
+    run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, camera: str, opened: object
+) -> None:
+    asked: list[object] = []
+
+    def refuse(*how: object) -> None:
+        asked.append(how)
+        raise UserError("it is busy", "close what uses it")
+
+    monkeypatch.setattr(calibrate, "WebcamSource", refuse)
+    monkeypatch.setattr(calibrate, "connected", lambda: [object()])
+    assert (
+        "it is busy" in run("calibrate", "--camera", camera, "--size", "640x480", "--out", tmp_path / "a.json").refusal
+    )
+    assert asked == [(opened, (640, 480))]
+
+
 def test_a_folder_without_photos_is_refused(run, tmp_path: Path) -> None:
     assert "no photo" in run("calibrate", "--camera", tmp_path, "--out", tmp_path / "camera.json").refusal
 
@@ -145,9 +207,12 @@ def test_a_clip_that_is_cut_says_so(run, board_clip: Path, tmp_path: Path) -> No
     assert "too few" in refusal
 
 
+@pytest.mark.usefixtures("known_at_once")
 def test_the_figures_are_printed_though_the_file_finds_no_room(
     run, board_clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """View by view, and then the camera's with how sure they are."""
+
     def refuse(*_: object, **__: object) -> None:
         raise UserError("cannot write camera.json (no room)", "make some")
 
@@ -155,9 +220,16 @@ def test_the_figures_are_printed_though_the_file_finds_no_room(
     outcome = run("calibrate", "--camera", board_clip, "--out", tmp_path / "camera.json")
     assert outcome.status == 2
     assert "cannot write camera.json" in outcome.err[-1]
-    assert any(line.startswith("f 4") for line in outcome.out)
+    focal, centre = "f 430.0 ± 1.2, 430.0 ± 1.3 px", "c 245.0 ± 2.1, 176.0 ± 2.2 px"
+    assert outcome.out[-1] == f"{focal}; {centre}; distortion -0.1000 ± 0.0100, 0.0300 ± 0.0200, 0, 0, 0"
+    rows = [line.strip("│ ").split("│") for line in outcome.out if line.strip("│ ")[:1].isdigit()]
+    assert [int(row[0]) for row in rows] == list(range(1, len(rows) + 1))
+    assert len(rows) > 12
+    assert all(float(row[3]) == 0.2 for row in rows)
+    assert ["left out" in row[-1] for row in rows] == [number == 1 for number in range(len(rows))]
 
 
+@pytest.mark.usefixtures("known_at_once")
 @pytest.mark.parametrize(("seen", "status"), [(0, 130), (FRAMES, 0)])
 def test_ctrl_c_ends_it_with_what_was_seen(
     run, pictures: list[Image], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seen: int, status: int
@@ -248,6 +320,7 @@ def test_a_live_camera_ends_when_it_is_known_although_it_was_lost_in_between(
     assert read_camera_file(tmp_path / "camera.json").K[0, 0] == pytest.approx(430, rel=0.01)
 
 
+@pytest.mark.usefixtures("known_at_once")
 def test_a_file_that_has_appeared_meanwhile_stays_and_the_calibration_is_put_beside_it(
     run: Callable, pictures: list[Image], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -262,5 +335,127 @@ def test_a_file_that_has_appeared_meanwhile_stays_and_the_calibration_is_put_bes
     assert outcome.status == 0
     assert path.read_text() == "precious"
     (written,) = set(tmp_path.iterdir()) - {path}
-    assert read_camera_file(written).K[0, 0] == pytest.approx(430, rel=0.01)
-    assert str(written) in outcome.out[-1]
+    np.testing.assert_array_equal(read_camera_file(written).K, CAMERA.K)
+    views = len(json.loads(written.read_text())["views"])
+    assert outcome.out[-1] == (
+        f"{written}: 0.21 px off on average in {views - 1} of {views} views; use it with --camera-file {written}"
+    )
+
+
+@pytest.mark.usefixtures("known_at_once")
+def test_a_camera_that_is_gone_is_waited_for_and_what_it_says_is_told(
+    run: Callable, pictures: list[Image], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Away(FakeWebcam):
+        def reopen(self) -> bool:
+            self.lost_at = {self.reads + 1} if self.reopened < 3 else set()
+            return super().reopen() and self.reopened > 3
+
+    webcam, told, slept = Away(pictures), Told(), []
+    webcam.lost_at = {5}
+    monkeypatch.setattr(calibrate, "WebcamSource", lambda camera, size: webcam)  # noqa: ARG005
+    monkeypatch.setattr(calibrate, "_lines", told.open)
+    monkeypatch.setattr(calibrate.time, "sleep", slept.append)
+    assert run("calibrate", "--camera", "0", "--headless", "--out", tmp_path / "camera.json").status == 0
+    assert slept == [calibrate.RECONNECT_EVERY_S] * 3, "and at once where it is back"
+    lost = [at for at, said in enumerate(told.said) if said is not None]
+    assert lost == [4, 5, 6, 7]
+    assert {told.said[at] for at in lost} == {"camera 0 gives no more pictures: plug it in again"}
+    assert {told.frames[at] for at in lost} == {3}, "the last picture stands meanwhile"
+    assert all(told.views[at] is None for at in lost)
+    assert told.views[3] is not None
+
+
+@pytest.mark.parametrize("is_lost", [False, True])
+def test_who_ends_it_before_its_time_gets_what_the_views_so_far_say(
+    run: Callable, pictures: list[Image], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_lost: bool
+) -> None:
+    """Also while the camera is gone."""
+    webcam, told = FakeWebcam(pictures), Told(most=5)
+    webcam.lost_at = {5} if is_lost else set()
+    monkeypatch.setattr(calibrate, "WebcamSource", lambda camera, size: webcam)  # noqa: ARG005
+    monkeypatch.setattr(calibrate, "_lines", told.open)
+    outcome = run("calibrate", "--camera", "0", "--headless", "--out", tmp_path / "camera.json")
+    assert "seen in too few different views" in outcome.refusal
+    assert (webcam.reads, webcam.reopened) == (5, 0)
+    assert len(told.frames) == 5
+
+
+def test_views_that_do_not_tell_enough_are_followed_by_more(
+    run: Callable, pictures: list[Image], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tries = []
+
+    def refused_twice(views: Sequence[BoardView], size: object) -> CameraCalibration:
+        tries.append(len(views))
+        if len(tries) < 3:
+            raise UserError(f"{len(views)} views are too few", "show more")
+        return known(views, size)
+
+    told, twice = Told(), [picture for picture in pictures for _ in range(2)]
+    monkeypatch.setattr(calibration_guide, "calibrate", refused_twice)
+    monkeypatch.setattr(CalibrationGuide, "wanted", lambda _guide: None)
+    monkeypatch.setattr(calibrate, "WebcamSource", lambda camera, size: FakeWebcam(twice))  # noqa: ARG005
+    monkeypatch.setattr(calibrate, "_lines", told.open)
+    assert run("calibrate", "--camera", "0", "--headless", "--out", tmp_path / "camera.json").status == 0
+    assert tries == [1, 2, 3], "with each view that is new"
+    assert told.said[:4] == [f"{count} views are too few: show more" for count in (1, 1, 2, 2)]
+
+
+@pytest.mark.usefixtures("known_at_once")
+@pytest.mark.parametrize(
+    ("is_live", "has_display", "flags", "in_window"),
+    [
+        (True, True, (), True),
+        (True, True, ("--headless",), False),
+        (True, False, (), False),
+        (False, True, (), False),
+    ],
+)
+def test_a_camera_is_guided_in_a_window_where_there_is_a_display(
+    run: Callable,
+    pictures: list[Image],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    is_live: bool,
+    has_display: bool,
+    flags: tuple[str, ...],
+    in_window: bool,
+) -> None:
+    webcam, lines, window, opened = FakeWebcam(pictures), Told(most=2), Told(most=2), []
+    webcam.is_live = is_live
+    monkeypatch.setattr(calibrate, "WebcamSource", lambda camera, size: webcam)  # noqa: ARG005
+    monkeypatch.setattr(setup, "has_display", lambda: has_display)
+    monkeypatch.setattr(calibration_window, "CalibrationWindow", lambda *given: opened.append(given) or window.open())
+    monkeypatch.setattr(calibrate, "_lines", lines.open)
+    run("calibrate", "--camera", "0", *flags, "--out", tmp_path / "camera.json")
+    assert (len(window.frames), len(lines.frames)) == ((2, 0) if in_window else (0, 2))
+    assert opened == ([("camera 0", SIZE)] if in_window else [])
+
+
+def test_in_the_terminal_it_says_what_is_wanted_frame_by_frame(
+    pictures: list[Image], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lines: list[str] = []
+
+    class Progress:
+        def add_task(self, *_: object, **__: object) -> int:
+            return 7
+
+        def update(self, task: int, completed: float, views: int, description: str) -> None:
+            lines.append(f"{task} {completed:.2f} {views} {description}")
+
+    guide, shown = CalibrationGuide(SIZE), calibrate._Lines(Progress())
+    frame = Frame(pictures[0], 12, 0.0)
+    view = BOARD.find(pictures[0][..., 0])
+    guide.add(view, 12)
+    assert shown.show(frame, None, guide, None)
+    assert shown.show(frame, view, guide, None)
+    assert shown.show(frame, view, guide, "plug it in")
+    monkeypatch.setattr(CalibrationGuide, "wanted", lambda _guide: None)
+    assert shown.show(frame, view, guide, None)
+    state = f"7 {guide.progress:.2f} 1 frame 12:"
+    assert lines[0] == f"{state} no board in view"
+    assert lines[1].startswith(f"{state} tilt the board")
+    assert lines[2] == f"{state} plug it in"
+    assert lines[3].startswith(f"{state} enough views")

@@ -4,6 +4,7 @@ import shlex
 import sys
 
 import cv2
+import numpy as np
 import pytest
 
 from ashe_live.commands.flags.option_groups import DEFAULT_MARKER
@@ -12,16 +13,29 @@ from ashe_live.commands.viewing import setup
 from ashe_live.tracking.families.layout import usual_side_m
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.viewer.windows import marker_window
+from tests.printed_page import as_printed, corners_mm
 
 
-def test_the_printed_marker_is_found_again(run, tmp_path):
-    path = tmp_path / "marker.png"
-    outcome = run("marker", "--out", path, "--marker", "aruco:4x4_50:7", "--size-mm", "60")
+@pytest.mark.parametrize(
+    ("arguments", "numbers", "side_mm"),
+    [
+        ((), [0], 80),
+        (("--marker", "aruco:4x4_50:7", "--size-mm", "60"), [7], 60),
+        (("--marker", "grid:4x4_50:2x1:5", "--size-mm", "50"), [5, 6], 50),
+        (("--cube",), range(18, 23), 0.7 * 60),
+        (("--cube", "--side", "0.05", "--paper", "letter"), range(18, 23), 0.7 * 50),
+    ],
+)
+@pytest.mark.parametrize("suffix", [".pdf", ".png"])
+def test_what_is_printed_has_its_true_size(run, tmp_path, arguments, numbers, side_mm, suffix):
+    path = tmp_path / f"marker{suffix}"
+    outcome = run("marker", "--out", path, *arguments)
     assert outcome.status == 0
-    assert str(path) in outcome.out[0]
-    sheet = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
-    small = cv2.resize(sheet, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
-    assert parse_marker("aruco:4x4_50:7").find(small) is not None
+    assert outcome.out[0].startswith(f"{path}: print it at 100 %")
+    found = corners_mm(*as_printed(path))
+    assert sorted(found) == [*numbers]
+    for corners in found.values():
+        assert np.linalg.norm(np.roll(corners, 1, axis=0) - corners, axis=1) == pytest.approx(side_mm, abs=0.15)
 
 
 @pytest.mark.parametrize(

@@ -54,6 +54,14 @@ def test_who_keeps_the_lock_too_long_is_not_waited_for(tmp_path: Path, monkeypat
     assert one.read() == {"a": 1}
 
 
+def test_who_is_done_lets_the_next_one_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In one program as well: a lock that is never let go would cost everyone after it two seconds."""
+    monkeypatch.setattr(kept_module, "_wait", lambda: pytest.fail("waited"))
+    for _ in range(3):
+        with KeptObject(tmp_path / "a.json").alone():
+            pass
+
+
 def test_nobody_waits_where_the_file_system_has_no_locks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object) -> None:
         raise OSError(errno.ENOLCK, "no locks available")

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import resource
 import shutil
 import subprocess
@@ -215,13 +216,27 @@ def test_an_unnamed_file_that_cannot_be_given_a_name_is_said_and_gone(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_looking_whether_a_file_can_be_written_leaves_nothing_open(tmp_path: Path) -> None:
+def test_neither_writing_a_file_nor_looking_whether_it_can_be_leaves_anything_open(tmp_path: Path) -> None:
     if not Path("/proc/self/fd").is_dir():
         pytest.skip("no /proc on this system")
     before = len(os.listdir("/proc/self/fd"))  # noqa: PTH208 - Path.iterdir would itself be one more
     check_output(tmp_path / "a.txt", overwrite=False)
     assert len(os.listdir("/proc/self/fd")) == before  # noqa: PTH208
     assert list(tmp_path.iterdir()) == []
+    for overwrite in (False, True):
+        write(tmp_path / "a.txt", "whole", overwrite)
+    assert len(os.listdir("/proc/self/fd")) == before  # noqa: PTH208
+
+
+def test_where_there_are_hard_links_no_name_is_reserved(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
+    """An empty file would stay if the program were killed between that and the next step."""
+    if request.node.callspec.params["a_system"] == "without hard links":
+        pytest.skip("there are none")
+    monkeypatch.setattr(NewFile, "_moved_onto_reservation", lambda *_: pytest.fail("reserved"))
+    assert write(tmp_path / "a.txt", "whole").read_text() == "whole"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
 
 
 def test_what_appears_before_a_result_is_written_stays_too(tmp_path: Path) -> None:
@@ -286,18 +301,31 @@ def test_a_folder_is_checked_without_being_made(tmp_path: Path) -> None:
         with pytest.raises(UserError, match="is a file, not a folder"):
             check_folder(tmp_path / wrong)
     for wrong in ("n" * 300, "nul\0"):
-        with pytest.raises(UserError, match="cannot write"):
+        with pytest.raises(UserError, match=re.escape(f"cannot write {tmp_path / wrong} (")):
             check_folder(tmp_path / wrong)
     with pytest.raises(UserError, match="exists already"):
         check_folder(tmp_path, ("file",))
+
+
+@pytest.mark.parametrize("right", [os.W_OK, os.X_OK])
+def test_a_folder_in_which_nothing_may_be_made_is_said_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, right: int
+) -> None:
+    """Root may do everything, so the system's answer is put in its place: without one of the two rights it is no."""
+    asked: list[Path] = []
+    monkeypatch.setattr(os, "access", lambda path, mode: asked.append(path) or not mode & right)
+    with pytest.raises(UserError, match=re.escape(f"cannot write {tmp_path / 'new' / 'results'} (Permission denied)")):
+        check_folder(tmp_path / "new" / "results")
+    assert asked == [tmp_path]
 
 
 def test_a_folder_that_must_not_be_written_to_is_said_before() -> None:
     """Linux lets nobody, not even root, create a file here."""
     if not Path("/proc").is_dir():
         pytest.skip("no /proc on this system")
-    with pytest.raises(UserError, match="cannot write"):
-        check_output(Path("/proc/a.txt"), overwrite=False)
+    for refused in (lambda path: check_output(path, overwrite=False), NewFile):
+        with pytest.raises(UserError, match=r"cannot write /proc/a\.txt \("):
+            refused(Path("/proc/a.txt"))
 
 
 @pytest.mark.parametrize("stem", ["ä" * 125, "a" * 250, "x"])
@@ -368,8 +396,11 @@ def test_a_folder_is_made_with_its_parents_or_it_is_said_why_not(tmp_path: Path)
         make_folder(tmp_path / "new" / "results")
     assert (tmp_path / "new" / "results").is_dir()
     (tmp_path / "file").write_text("mine")
-    for wrong in ("file", "file/within", "n" * 300, "nul\0"):
-        with pytest.raises(UserError, match="folder"):
+    for wrong, said in (
+        ("file", "{} is a file, not a folder"),
+        *((wrong, "cannot write {} (") for wrong in ("file/within", "n" * 300, "nul\0")),
+    ):
+        with pytest.raises(UserError, match=re.escape(said.format(tmp_path / wrong))):
             make_folder(tmp_path / wrong)
 
 

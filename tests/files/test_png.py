@@ -12,6 +12,7 @@ from ashe_live.capture.photo import PhotoSource, looks_like_photo
 from ashe_live.errors import UserError
 from ashe_live.files import png, slow_pictures
 from ashe_live.files.png import readable
+from ashe_live.files.reading import opened
 from ashe_live.models.loading import load_model_file
 from ashe_live.tracking.families.pattern_files import read_marker_picture
 
@@ -69,7 +70,9 @@ def left(content: bytes) -> tuple[list[bytes], bytes | None]:
     ],
 )
 def test_most_pictures_are_read_from_their_own_file(chunks: bytes) -> None:
-    for content in (picture(chunks), picture(after=chunks), picture(chunks)[:-40], b"\xff\xd8\xff" + picture(chunks)):
+    behind_its_end = picture(chunks) + text(LARGE)  # nobody reads that
+    starts_otherwise, breaks_off = b"\xff\xd8\xff" + picture(chunks), picture(chunks)[:-40]
+    for content in (picture(chunks), picture(after=chunks), behind_its_end, starts_otherwise, breaks_off):
         file = io.BytesIO(content)
         assert readable(file) == (file, None)
         assert file.tell() == 0
@@ -111,6 +114,24 @@ def test_a_large_profile_is_handed_on_and_one_without_end_is_not(monkeypatch: py
     assert left(picture(profile(LARGE) + text(b"words"))) == ([b"zTXt"], LARGE)
     monkeypatch.setattr(png, "MOST_PROFILE_BYTES", len(LARGE) - 1)
     assert left(picture(profile(LARGE))) == ([], None)
+
+
+@pytest.mark.parametrize("content", [None, b"a small one", LARGE], ids=["none", "small", "large"])
+def test_a_picture_is_opened_with_its_profile(tmp_path: Path, content: bytes | None) -> None:
+    path = tmp_path / "a.png"
+    path.write_bytes(picture(b"" if content is None else profile(content)))
+    with opened(path) as file, slow_pictures.opened_picture(path, file, ("PNG",)) as read:
+        assert read.info.get("icc_profile") == content
+        assert ("icc_profile" in read.info) == (content is not None)
+        np.testing.assert_array_equal(np.asarray(read), RGB)
+
+
+@pytest.mark.parametrize("content", [picture(), b"P5 1 1 255\nx", b"no picture"], ids=["PNG", "PGM", "none"])
+def test_what_is_not_slow_is_at_its_start_afterwards(content: bytes) -> None:
+    file = io.BytesIO(content)
+    file.seek(3)
+    slow_pictures.refuse_slow(Path("a"), file)
+    assert file.tell() == 0
 
 
 def test_of_several_profiles_the_first_counts() -> None:

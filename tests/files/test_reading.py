@@ -1,12 +1,17 @@
 """Regular files can be opened, by whatever name; nothing else is, and nothing is waited for."""
 
+import errno
+import io
 import os
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from ashe_live.errors import UserError
+from ashe_live.files import reading
 from ashe_live.files.reading import opened, read_bytes, read_json, read_text
+from tests.patience import PATIENCE_S
 
 
 def test_a_file_can_be_read_through_a_link(tmp_path: Path) -> None:
@@ -58,11 +63,50 @@ def test_of_an_empty_file_it_is_said_that_it_is_empty_and_not_what_its_kind_shou
             read_json(tmp_path / "camera.json")
 
 
-@pytest.mark.parametrize("name", ["a\0b", "a" * 300, "a/b"])
-def test_a_name_that_no_file_has_is_said(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "said"), [("a\0b", "is no file's name"), ("a" * 300, "cannot read"), ("a/b", "there is no file")]
+)
+def test_a_name_that_no_file_has_is_said(tmp_path: Path, name: str, said: str) -> None:
     (tmp_path / "a").write_bytes(b"x")
-    with pytest.raises(UserError):
+    with pytest.raises(UserError, match=said):
         opened(tmp_path / name)
+
+
+def test_a_pipe_that_takes_the_place_of_a_file_is_neither_waited_for_nor_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Between the first look at it and its opening."""
+    (tmp_path / "file").write_bytes(b"x")
+    looked_at = (tmp_path / "file").stat()
+    os.mkfifo(tmp_path / "a")
+    monkeypatch.setattr(Path, "stat", lambda _path: looked_at)
+    with ThreadPoolExecutor(1) as other:
+        opening = other.submit(opened, tmp_path / "a")
+        try:
+            with pytest.raises(UserError, match="is a device or a pipe"):
+                opening.result(PATIENCE_S)
+        finally:
+            os.close(os.open(tmp_path / "a", os.O_RDWR | os.O_NONBLOCK))  # lets go of one that waits for a writer
+
+
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="the system does not tell what is open")
+def test_what_is_refused_is_closed_at_once(tmp_path: Path) -> None:
+    (tmp_path / "a").touch()
+    before = len(os.listdir("/proc/self/fd"))  # noqa: PTH208 - Path.iterdir would itself be one more
+    with pytest.raises(UserError, match="is empty") as caught:
+        opened(tmp_path / "a")
+    assert len(os.listdir("/proc/self/fd")) == before, f"with {caught.value} at hand"  # noqa: PTH208
+
+
+def test_a_disk_that_fails_meanwhile_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Failing(io.FileIO):
+        def read(self, _most: int = -1) -> bytes:
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    (tmp_path / "a").write_bytes(b"x")
+    monkeypatch.setattr(reading, "opened", lambda path, _may_be_empty: Failing(path))
+    with pytest.raises(UserError, match=r"cannot read .*a \(Input/output error\): copy it again"):
+        read_bytes(tmp_path / "a")
 
 
 def test_no_more_is_read_than_was_asked_for(tmp_path: Path) -> None:

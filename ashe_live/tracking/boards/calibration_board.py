@@ -12,6 +12,8 @@ from ashe_live.core.arrays import Float, Image, frozen_floats, set_frozen
 SQUARES = (7, 8)
 MARKER_OVER_SQUARE = 0.72
 DICTIONARY = cv2.aruco.DICT_5X5_50
+# Side of a square as it is drawn: its marker's seven cells, and the white around that, are whole pixels too.
+DRAWN_PX = 350
 # Fewer corners than this, or all on one line, say nothing about a camera.
 MIN_CORNERS = 8
 
@@ -44,8 +46,10 @@ class CalibrationBoard:
         self._points = np.asarray(self._board.getChessboardCorners(), dtype=np.float64)
 
     def bitmap(self, size_px: tuple[int, int]) -> Image:
-        """(h, w) uint8 picture of the board alone, `size_px` (width, height) large."""
-        return np.asarray(self._board.generateImage(size_px, marginSize=0), dtype=np.uint8)
+        """(h, w) uint8 picture of the board alone, `size_px` (width, height) large, all of it black or white."""
+        # In some sizes squares of OpenCV's reach beyond its own picture, which is an error.
+        whole = self._board.generateImage([DRAWN_PX * count for count in SQUARES], marginSize=0)
+        return np.asarray(cv2.resize(whole, size_px, interpolation=cv2.INTER_NEAREST_EXACT), dtype=np.uint8)
 
     def find(self, grey: Image) -> BoardView | None:
         """The corners to be seen in `grey` (h, w) uint8, or None when there are too few to be of use."""

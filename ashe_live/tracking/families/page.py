@@ -79,7 +79,10 @@ class PrintedPage:
         room = self.image.width - 2 * self.px(PRINTER_EDGE_MM) if room_mm is None else self.px(room_mm)
         size = float(self.px(height_mm))
         words, font = lettering(words, size)
-        words, font = lettering(words, size * min(1.0, room / max(1.0, draw.textlength(words, font))))
+        # Again and again, as letters keep to whole pixels: those of half the size may need more than half the room.
+        while (length := draw.textlength(words, font)) > room and size > 1:
+            size = max(1.0, 0.99 * size * room / length)
+            words, font = lettering(words, size)
         draw.text((self.px(centre_mm[0]), self.px(centre_mm[1])), words, fill=ink, font=font, anchor="mm")
 
     def ruler(self, start_mm: Millimetres, upright: bool = False) -> None:

@@ -32,8 +32,8 @@ def write_marker_sheet(
     width, height = marker.extent if isinstance(marker, Layout) else (1.0, 1.0)
     page = _blank_page((width * side_mm, height * side_mm), QUIET_ZONE * side_mm, paper)
     if side_mm < MIN_SIDE_MM or page is None:
-        largest = int((PAPERS_MM[paper][-1][0] - 2 * PRINTER_EDGE_MM) / (max(width, height) + 2 * QUIET_ZONE))
-        raise UserError(f"no page fits a marker of {side_mm:g} mm", f"choose a size from {MIN_SIDE_MM} to {largest} mm")
+        remedy = f"choose a size from {MIN_SIDE_MM} to {_largest_mm((width, height), paper)} mm"
+        raise UserError(f"no page fits a marker of {side_mm:g} mm", remedy)
     middle_x, middle_y = _middle_mm(page)
     for member in members:
         left, top, _ = member.corners[0] * side_mm
@@ -53,8 +53,7 @@ def write_board_sheet(
     width_mm, height_mm = columns * square_mm, rows * square_mm
     page = _blank_page((width_mm, height_mm), QUIET_ZONE * square_mm, paper)
     if square_mm < MIN_SQUARE_MM or page is None:
-        widest = (PAPERS_MM[paper][-1][0] - 2 * PRINTER_EDGE_MM) / (columns + 2 * QUIET_ZONE)
-        remedy = f"choose squares from {MIN_SQUARE_MM} to {int(widest)} mm"
+        remedy = f"choose squares from {MIN_SQUARE_MM} to {_largest_mm((columns, rows), paper)} mm"
         raise UserError(f"no page fits a board of squares of {square_mm:g} mm", remedy)
     middle_x, middle_y = _middle_mm(page)
     picture = board.bitmap((page.px(width_mm), page.px(height_mm)))
@@ -65,11 +64,22 @@ def write_board_sheet(
 
 def _blank_page(size_mm: Millimetres, quiet_mm: float, paper: str) -> PrintedPage | None:
     """The smallest page that holds a picture of `size_mm` with white around it, or None."""
-    for width, height in PAPERS_MM[paper]:
-        room = width - 2 * PRINTER_EDGE_MM, height - PAGE_FOOT_MM - 2 * PRINTER_EDGE_MM - 12
-        if all(0 < side + 2 * quiet_mm <= most for side, most in zip(size_mm, room, strict=True)):
-            return PrintedPage.blank((width, height))
+    for page_mm in PAPERS_MM[paper]:
+        if all(0 < side + 2 * quiet_mm <= most for side, most in zip(size_mm, _room_mm(page_mm), strict=True)):
+            return PrintedPage.blank(page_mm)
     return None
+
+
+def _largest_mm(squares: tuple[float, float], paper: str) -> int:
+    """The largest side in whole millimetres of squares of which so many, across and down, fit on the largest page."""
+    room = zip(squares, _room_mm(PAPERS_MM[paper][-1]), strict=True)
+    return int(min(most / (count + 2 * QUIET_ZONE) for count, most in room))
+
+
+def _room_mm(page_mm: Millimetres) -> Millimetres:
+    """Of a page, for a picture with white around it: above the foot, and below the word that says where up is."""
+    width, height = page_mm
+    return width - 2 * PRINTER_EDGE_MM, height - PAGE_FOOT_MM - 2 * PRINTER_EDGE_MM - 12
 
 
 def _middle_mm(page: PrintedPage) -> Millimetres:

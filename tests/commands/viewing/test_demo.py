@@ -40,9 +40,14 @@ def test_what_was_recorded_in_a_window_is_shown_again_without_text(run, instant,
         for frame, parts in ((0, ShownParts.WHOLE), (3, ShownParts.VIDEO_ALONE))
     ]
     (tmp_path / "shown.json").write_text(json.dumps({"schema": 1, "shown": shown}))
-    flags = ("--headless", "--frames", "6", "--quality", "fast", "--out", "again.mp4")
-    assert run("demo", "--as-shown", "shown.json", *flags).status == 0
-    with ClipSource(tmp_path / "again.mp4") as again, ClipSource(shipped_clip().path) as clip:
+    (tmp_path / "made").mkdir()
+    flags = ("--headless", "--frames", "6", "--quality", "fast", "--out", "made/again.mp4")
+    outcome = run("demo", "--as-shown", "shown.json", *flags)
+    assert outcome.status == 0
+    (sheet,) = (tmp_path / "made").glob("*.png")
+    assert outcome.out[-1] == f"see made/again.mp4 and made/{sheet.name}"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["made", "shown.json"]
+    with ClipSource(tmp_path / "made" / "again.mp4") as again, ClipSource(shipped_clip().path) as clip:
         pairs = [(again.read().image_bgr.astype(int), clip.read().image_bgr.astype(int)) for _ in range(6)]
     differs = [np.abs(mine - bare).mean() for mine, bare in pairs]
     assert min(differs[:3]) > 3 > 2.5 > max(differs[3:])

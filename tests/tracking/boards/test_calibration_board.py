@@ -1,5 +1,6 @@
 """The board: printed at true size, found again in its print, whole and in part."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,22 @@ def test_its_squares_are_as_large_as_asked(tmp_path: Path, square_mm: float) -> 
     np.testing.assert_allclose(corners_mm - corners_mm[0], expected_mm - expected_mm[0], atol=0.1)
 
 
+@pytest.mark.parametrize("size_px", [(280, 320), (2811, 3213), (2921, 3339), (3621, 4139)])
+def test_it_is_drawn_in_every_size(size_px: tuple[int, int]) -> None:
+    """Also where a square has no whole number of pixels: on A3 those of 25 mm have 417.3 of them."""
+    grey = BOARD.bitmap(size_px)
+    assert grey.shape == size_px[::-1]
+    # Of each pixel: in which square its middle lies, and where in that, squares.
+    (column, x), (row, y) = (
+        np.divmod((np.arange(side) + 0.5) / side * count, 1) for side, count in zip(size_px, BOARD.squares, strict=True)
+    )
+    is_black = (row[:, None] + column) % 2 == 0
+    to_edge = np.minimum(np.minimum(x, 1 - x), np.minimum(y, 1 - y)[:, None])
+    assert grey[is_black & (to_edge > 0.005)].max() == 0
+    assert grey[~is_black & (to_edge > 0.005) & (to_edge < 0.13)].min() == 255
+    assert 0.4 < (grey[~is_black & (to_edge > 0.15)] == 0).mean() < 0.9, "a marker"
+
+
 def test_a_part_of_it_names_its_own_corners(tmp_path: Path) -> None:
     grey, _ = printed(tmp_path, 25)
     whole = BOARD.find(grey)
@@ -57,3 +74,16 @@ def test_a_size_that_no_page_fits_is_refused(tmp_path: Path, square_m: float) ->
     with pytest.raises(UserError, match="no page fits"):
         write_board_sheet(tmp_path / "board.png", BOARD, square_m)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("paper", ["a4", "letter"])
+def test_the_largest_squares_that_it_advises_are_the_largest_that_fit_any_page(tmp_path: Path, paper: str) -> None:
+    path = tmp_path / "board.pdf"
+    with pytest.raises(UserError) as caught:
+        write_board_sheet(path, BOARD, 1.0, paper=paper)
+    least, most = (int(number) for number in re.findall(r"\d+", caught.value.remedy))
+    for refused_mm in (least - 1, most + 1):
+        with pytest.raises(UserError, match=f"choose squares from {least} to {most} mm"):
+            write_board_sheet(path, BOARD, refused_mm / 1000, paper=paper)
+    for mm in (least, most):
+        write_board_sheet(path, BOARD, mm / 1000, True, paper)

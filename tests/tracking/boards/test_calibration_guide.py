@@ -1,12 +1,15 @@
 """The guide: it names the edge that is nearer, the place that is missing, and is content in the end."""
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
 
 from ashe_live.core.transforms import project
 from ashe_live.errors import UserError
+from ashe_live.tracking.boards import calibration_guide
+from ashe_live.tracking.boards.calibration import MIN_VIEWS
 from ashe_live.tracking.boards.calibration_board import BoardView
 from ashe_live.tracking.boards.calibration_guide import TILTS, VIEWS_PER_TILT, CalibrationGuide
 from tests.tracking.board_pictures import seen_from
@@ -64,6 +67,8 @@ def test_it_asks_for_what_is_missing_until_nothing_is() -> None:
         wanted = guide.wanted()
         if wanted is None:
             break
+        lacking = [count for count in guide.tilted().values() if count < VIEWS_PER_TILT]
+        assert ("once more" in wanted) == (lacking[:1] == [1])
         # Obeys to the letter.
         if wanted.startswith("tilt"):
             edge = next(name for name, _ in TILTS if f"its {name} edge" in wanted)
@@ -93,6 +98,66 @@ def test_the_same_view_is_kept_once_and_from_its_steadiest_frame() -> None:
     assert not guide.add(view((-0.26, 0.0)), 3)
     assert [kept.frame_index for kept in guide.kept] == [2]
     assert guide.add(view((0.4, 0.0)), 4)
+
+
+@pytest.mark.parametrize(
+    ("other", "is_new"),
+    [
+        ({"height": 0.4 * 1.1}, False),
+        ({"height": 0.4 * 1.3}, True),
+        ({"height": 0.4 / 1.3}, True),
+        ({"tilt_deg": 26.0}, False),
+        ({"tilt_deg": 33.0}, True),
+        ({"axis_deg": 60.0}, True),
+        ({"at": (0.1, 0.0)}, False),
+        ({"at": (0.35, 0.0)}, True),
+    ],
+)
+def test_a_view_is_new_in_another_place_another_size_or_turned(other: dict[str, Any], is_new: bool) -> None:
+    usual: dict[str, Any] = {"at": (0.0, 0.0), "tilt_deg": 20.0, "axis_deg": 0.0, "height": 0.4}
+    guide = shown(CalibrationGuide(SIZE), view(**usual))
+    assert guide.add(view(**{**usual, **other}), 1) == is_new
+    assert len(guide.kept) == 1 + is_new
+
+
+def test_no_more_views_are_kept_than_can_be_worked_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(calibration_guide, "MOST_VIEWS", 2)
+    guide = CalibrationGuide(SIZE)
+    assert [guide.add(view((x, 0.0)), at) for at, x in enumerate((-0.5, 0.0, 0.5))] == [True, True, False]
+    assert [kept.frame_index for kept in guide.kept] == [0, 1]
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_cell_ends_between_two_pixels_and_is_covered_by_four_corners(axis: int) -> None:
+    """The picture's first pixel has its middle at 0, and its outer edge half a pixel before that."""
+    cut = 0.28 * SIZE[axis] - 0.5
+    for off, lower, count in ((-0.2, True, 4), (0.2, False, 4), (-0.2, True, 3)):
+        corners = np.full((count, 2), np.array(SIZE) / 2)
+        corners[:, axis] = cut + off
+        guide = CalibrationGuide(SIZE)
+        seen = BoardView(corners, POINTS[:count])
+        guide.kept.append(calibration_guide.KeptView(seen, 0, np.zeros(2), 0.0, np.array((0.0, 0.0, 1.0)), 0.0))
+        covered = np.array(guide.covered())
+        expected = np.zeros((3, 3), dtype=bool)
+        expected[(1, 0 if lower else 1) if axis == 0 else (0 if lower else 1, 1)] = count == 4
+        np.testing.assert_array_equal(covered, expected)
+
+
+@pytest.mark.parametrize(("edges", "rows", "refused"), [(2, 2, None), (1, 2, "frontal"), (2, 1, "never showed")])
+def test_two_edges_and_six_places_are_enough_to_try(
+    monkeypatch: pytest.MonkeyPatch, edges: int, rows: int, refused: str | None
+) -> None:
+    monkeypatch.setattr(calibration_guide, "calibrate", lambda views, _size: len(views))
+    guide = shown(CalibrationGuide(SIZE), view())
+    guide.kept *= MIN_VIEWS
+    monkeypatch.setattr(guide, "tilted", lambda: {name: int(at < edges) for at, (name, _) in enumerate(TILTS)})
+    monkeypatch.setattr(guide, "covered", lambda: [[row < rows] * 3 for row in range(3)])
+    if refused is None:
+        assert guide.calibration() == MIN_VIEWS
+        return
+    with pytest.raises(UserError, match=refused) as caught:
+        guide.calibration()
+    assert caught.value.remedy == guide.wanted()
 
 
 def test_no_board_at_all_is_said() -> None:

@@ -4,39 +4,23 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import PIL.Image
 import pytest
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.errors import UserError
-from ashe_live.tracking.cube.faces import CORNERS, DICTIONARY, FACES, FIRST_ID, TAG_SHARE
+from ashe_live.tracking.cube.faces import CORNERS, FACES, FIRST_ID, TAG_SHARE
 from ashe_live.tracking.cube.sheet import ADVICE, FLAP_MM, SLANT, largest_edge_mm, write_cube_sheet
-from ashe_live.tracking.families.dictionary_marker import DICTIONARIES
 from ashe_live.tracking.families.layout import cube_layout
+from tests.printed_page import as_printed, corners_mm
 
 EDGE_M = 0.06
-MM_PER_INCH = 25.4
 
 
 def sheet(folder: Path, edge_m: float = EDGE_M, paper: str = "a4") -> tuple[Image, float]:
     """The printed page (h, w), and its millimetres a pixel."""
     path = folder / f"{paper}.png"
     write_cube_sheet(path, cube_layout(), edge_m, paper)
-    with PIL.Image.open(path) as page:
-        return np.asarray(page.convert("L")), MM_PER_INCH / page.info["dpi"][0]
-
-
-def corners_mm(page: Image, mm_per_px: float) -> dict[int, Float]:
-    """(4, 2) by number: what OpenCV finds of the dictionary, its corners from the page's top-left corner."""
-    small = cv2.resize(page, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
-    parameters = cv2.aruco.DetectorParameters()
-    parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
-    dictionary = cv2.aruco.getPredefinedDictionary(DICTIONARIES[DICTIONARY.removeprefix("aruco:")])
-    quads, ids, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(small)
-    return {
-        int(number): (quad.reshape(4, 2) + 0.5) * 4 * mm_per_px
-        for quad, number in zip(quads, np.ravel(ids), strict=True)
-    }
+    return as_printed(path)
 
 
 def turned(points: Float, on_axis: Float, axis: Float, angle: float) -> Float:

@@ -81,6 +81,14 @@ def test_a_grid_is_numbered_row_by_row_from_its_first() -> None:
     assert centres.mean(axis=0) == pytest.approx((0, 0, 0), abs=1e-12)
 
 
+@pytest.mark.parametrize(("size", "count"), [("1x2", 2), ("2x1", 2), ("4x6", 24), ("24x1", 24)])
+def test_a_grid_has_from_two_markers_to_as_many_as_can_be_followed(size: str, count: int) -> None:
+    grid = parse_target(f"grid:4x4_50:{size}")
+    assert isinstance(grid, Layout)
+    assert len(grid.members) == count
+    assert grid.extent == pytest.approx([1.25 * int(side) - 0.25 for side in size.split("x")])
+
+
 def test_who_names_no_marker_hears_of_all_that_there_are_and_beside_a_cube_of_flat_ones() -> None:
     with pytest.raises(UserError) as caught:
         parse_target("cubes")
@@ -98,7 +106,10 @@ def test_who_names_no_marker_hears_of_all_that_there_are_and_beside_a_cube_of_fl
         ("grid:4x4_50", "COLSxROWS"),
         ("grid:4x4_50:3", "COLSxROWS"),
         ("grid:4x4_50:3xa", "COLSxROWS"),
+        ("grid:4x4_50:3x2:a", "COLSxROWS"),
+        ("grid::3x2", "COLSxROWS"),
         ("grid:4x4_50:1x1", "from 2 to 24"),
+        ("grid:4x4_50:5x5", "from 2 to 24"),
         ("grid:4x4_50:999x999", "from 2 to 24"),
         ("grid:9x9_50:2x2", "4x4_50"),
         ("grid:4x4_50:3x2:48", "from 0 to 49"),

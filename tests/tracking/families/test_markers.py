@@ -1,6 +1,7 @@
 """Specs: what they name, and that each wrong one is refused with one line and a remedy."""
 
 import struct
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -188,6 +189,8 @@ def test_the_channels_of_a_pattern_file_are_blue_green_and_red(tmp_path: Path) -
     ("shape", "value", "words"),
     [
         ((100, 140), 0, "not square"),
+        ((100, 103), 0, "not square"),
+        ((40, 5000), 0, "too large"),
         ((20, 20), 0, "too small"),
         ((5000, 5000), 0, "too large"),
         ((64, 64), 0, "contrast"),
@@ -198,6 +201,18 @@ def test_a_picture_that_is_no_marker_is_refused(tmp_path: Path, shape: tuple[int
     path = tmp_path / "bad.png"
     cv2.imwrite(str(path), np.full(shape, value, dtype=np.uint8))
     with pytest.raises(UserError, match=words):
+        parse_marker(f"image:{path}")
+
+
+@pytest.mark.parametrize("side", [12_000, 30_000])
+def test_a_picture_that_says_it_is_enormous_is_refused_in_the_same_words(tmp_path: Path, side: int) -> None:
+    """From 89 million pixels on Pillow warns, and from twice as many it refuses them."""
+    header = b"IHDR" + struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)
+    path = tmp_path / "enormous.png"
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + header + struct.pack(">I", zlib.crc32(header)))
+    with path.open("ab") as file:
+        file.write(struct.pack(">I", 0) + b"IDAT" + struct.pack(">I", zlib.crc32(b"IDAT")))
+    with pytest.raises(UserError, match=r"enormous\.png is too large: scale it to at most \d+ pixels a side"):
         parse_marker(f"image:{path}")
 
 

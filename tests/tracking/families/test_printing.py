@@ -9,11 +9,14 @@ import PIL.Image
 import pytest
 
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import PAGE_FOOT_MM
 from ashe_live.errors import UserError
 from ashe_live.quality import BALANCED
+from ashe_live.tracking.families.layout import parse_target
 from ashe_live.tracking.families.markers import Marker, parse_marker
 from ashe_live.tracking.families.printing import write_marker_sheet
 from ashe_live.tracking.tracker import MarkerTracker
+from tests.printed_page import as_printed
 from tests.tracking.conftest import SPECS, frame
 
 ARUCO = parse_marker("aruco:4x4_50:3")
@@ -65,9 +68,13 @@ def test_the_ruler_is_a_hundred_millimetres_long(tmp_path: Path) -> None:
     [
         ("a4", 0.08, (210, 297)),
         ("a4", 0.2, (297, 420)),
+        ("a4", 0.3, (420, 594)),
+        ("a4", 0.4, (594, 841)),
+        ("a4", 0.6, (841, 1189)),
         ("letter", 0.08, (215.9, 279.4)),
         ("letter", 0.2, (279.4, 431.8)),
         ("letter", 0.3, (431.8, 558.8)),
+        ("letter", 0.4, (558.8, 863.6)),
         ("letter", 0.6, (863.6, 1117.6)),
     ],
 )
@@ -76,11 +83,48 @@ def test_a_pdf_is_one_page_of_true_size_larger_for_a_large_marker(
 ) -> None:
     path = tmp_path / "marker.PDF"
     write_marker_sheet(path, ARUCO, side_m, paper=paper)
-    content = path.read_bytes()
-    assert content.startswith(b"%PDF")
-    (box,) = re.findall(rb"/MediaBox \[(.*?)\]", content)
-    # A PDF's unit is 1/72 inch.
-    assert [float(number) / 72 * 25.4 for number in box.split()] == pytest.approx([0, 0, *size_mm], abs=0.1)
+    assert path.read_bytes().startswith(b"%PDF")
+    grey, mm_per_px = as_printed(path)
+    assert np.array(grey.shape[::-1]) * mm_per_px == pytest.approx(size_mm, abs=0.1)
+    # The ring around the cells is black all around.
+    middle = round((size_mm[1] - PAGE_FOOT_MM) / 2 / mm_per_px), round(size_mm[0] / 2 / mm_per_px)
+    for line, at in ((grey[middle[0]], size_mm[0] / 2), (grey[: 2 * middle[0], middle[1]], middle[0] * mm_per_px)):
+        inked_mm = np.flatnonzero(line < 128) * mm_per_px
+        inked_mm = inked_mm[np.abs(inked_mm - at) < 0.6 * 1000 * side_m]  # without the word above
+        assert (inked_mm[0], inked_mm[-1]) == pytest.approx((at - 500 * side_m, at + 500 * side_m), abs=2.5 * mm_per_px)
+
+
+@pytest.mark.parametrize("side_m", [0.03, 0.08])
+def test_above_the_marker_it_says_where_up_is_and_nothing_is_beside_it(tmp_path: Path, side_m: float) -> None:
+    path = tmp_path / "marker.png"
+    write_marker_sheet(path, ARUCO, side_m)
+    grey, mm_per_px = as_printed(path)
+    rows, columns = np.nonzero(grey < 128)
+    x, y = columns * mm_per_px - 105, (297 - PAGE_FOOT_MM) / 2 - rows * mm_per_px  # from the marker's middle, y up
+    half, quiet = 500 * side_m, 125 * side_m
+    above = y > half + 0.2
+    assert np.abs(x[above]).max() < 5
+    assert y[above].min() == pytest.approx(half + quiet + 2.5, abs=1.5)
+    assert y[above].max() < half + quiet + 7
+    beside = (y > -half - quiet) & ~above
+    assert max(np.abs(x[beside]).max(), np.abs(y[beside]).max()) < half + 0.2
+
+
+@pytest.mark.parametrize(
+    ("spec", "paper"), [("aruco:4x4_50:3", "a4"), ("grid:4x4_50:2x12", "letter"), ("grid:4x4_50:12x2", "a3")]
+)
+def test_the_largest_size_that_it_advises_is_the_largest_that_fits_any_page(
+    tmp_path: Path, spec: str, paper: str
+) -> None:
+    path, target = tmp_path / "marker.pdf", parse_target(spec)
+    with pytest.raises(UserError) as caught:
+        write_marker_sheet(path, target, 5.0, paper=paper)
+    least, most = (int(number) for number in re.findall(r"\d+", caught.value.remedy))
+    for refused_mm in (least - 1, most + 1):
+        with pytest.raises(UserError, match=f"choose a size from {least} to {most} mm"):
+            write_marker_sheet(path, target, refused_mm / 1000, paper=paper)
+    for mm in (least, most):
+        write_marker_sheet(path, target, mm / 1000, True, paper)
 
 
 @pytest.mark.parametrize("suffix", [".pdf", ".png"])
@@ -90,6 +134,23 @@ def test_a_picture_of_any_name_is_printed(tmp_path: Path, picture_file: Path, su
     path = tmp_path / f"marker{suffix}"
     write_marker_sheet(path, parse_marker(f"image:{odd}"), 0.08)
     assert path.stat().st_size > 1000
+
+
+def test_a_long_name_stays_within_what_printers_reach(tmp_path: Path, picture_file: Path) -> None:
+    """Its letters are smaller; those of the words beside it are as large as ever."""
+    long = picture_file.rename(picture_file.with_name(f"{'the sign above the door ' * 6}.png"))
+    inked_mm = []
+    for number, spec in enumerate(("aruco:4x4_50:3", f"image:{long}")):
+        path = tmp_path / f"marker{number}.png"
+        write_marker_sheet(path, parse_marker(spec), 0.08)
+        grey, mm_per_px = as_printed(path)
+        assert all(edge.min() == 255 for edge in (grey[:, : int(8 / mm_per_px)], grey[:, -int(8 / mm_per_px) :]))
+        foot = grey[-round((PAGE_FOOT_MM - 4) / mm_per_px) : -round((PAGE_FOOT_MM - 12) / mm_per_px)] < 128
+        rows, columns = (np.flatnonzero(foot.any(axis=axis)) * mm_per_px for axis in (1, 0))
+        inked_mm.append((np.ptp(columns), np.ptp(rows)))
+    (usual_width, usual_height), (width, height) = inked_mm
+    assert usual_width < 80 < 185 < width
+    assert height < usual_height
 
 
 @pytest.mark.parametrize("side_m", [0.0, -0.08, 0.005, 2.0, float("nan"), float("inf")])

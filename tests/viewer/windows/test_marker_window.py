@@ -103,3 +103,12 @@ def test_keys_hide_what_explains_it_fill_the_screen_and_end_it(shown):
 
 def test_in_a_minimised_window_nothing_is_drawn_until_it_comes_back(shown):
     assert shown(Screen((0, 0)), [None, None])[1] == []
+
+
+@pytest.mark.parametrize(
+    ("size", "beside"),
+    [((720, 720), None), ((800, 600), None), ((1300, 600), None), ((1340, 600), 370), ((600, 1920), None)],
+)
+def test_what_explains_it_stands_beside_it_only_where_lines_have_room(size, beside):
+    """Of 0.6 of the height: in less they would be many, or their letters small."""
+    assert room_beside(size) == beside
