@@ -349,6 +349,18 @@ def test_the_highlight_on_a_thin_rod_is_a_line_and_no_dots(make_renderer, stage)
     assert line.std() < 0.5 * line.mean()
 
 
+@pytest.mark.parametrize("turned_deg", [9.0, 14.0])
+def test_a_thin_rod_that_is_lit_from_behind_is_as_bright_all_along(make_renderer, stage, turned_deg: float) -> None:
+    """The light ends within a pixel: where the pixels' middles alone were asked, lit and unlit ones took turns."""
+    studio = _Studio(make_renderer, stage, "balanced", grey=0)
+    matt = Material(base_colour=(0.5, 0.5, 0.5, 1.0), roughness=1.0)
+    low_sun = stage.light(90, 10, (0.3, 0.3, 0.3))
+    picture = linear_from_srgb(studio.picture(_rod(matt, 0.001, turned_deg), low_sun)[..., 1] / 255)
+    line = picture[:, 190:290].sum(axis=0)  # of each column across the rod
+    assert line.mean() > 0.5
+    assert line.std() < 0.1 * line.mean()
+
+
 def test_clear_coat_puts_the_highlight_of_glass_on_what_is_matt(make_renderer, stage) -> None:
     studio = _Studio(make_renderer, stage, "accurate", 20, elevation_deg=45)
     light = stage.light(-60, 50, (0.5, 0.5, 0.5))
