@@ -344,6 +344,13 @@ void main() {
     // Where nothing is drawn there is a hole, and no glass.
     float there = min(base.a / LEAST_GLASS, 1.0);
     if (there <= 0.0) discard;
+#ifdef SOLID
+#ifdef IS_SOLID
+    if (base.a < SOLID) discard;
+#else
+    if (base.a >= SOLID) discard;
+#endif
+#endif
     added_light = vec4(min(((albedo * diffuse + emitted) * base.a + mirrored) * exposure, MOST_LIGHT), cover) * there;
     removed = vec4(cover * there);
 #else

@@ -663,6 +663,34 @@ def test_what_is_behind_the_holes_of_a_near_card_is_seen(make_renderer, stage, b
         assert red > 5 * green
 
 
+@pytest.mark.parametrize("has_holes", [False, True])
+@pytest.mark.parametrize("order", [1, -1])
+def test_what_is_solid_of_a_blended_surface_hides_what_is_behind_it(
+    make_renderer, stage, has_holes: bool, order: int
+) -> None:
+    """Whatever the middles of the parts: many files blend all parts of a figure, for the sake of its lashes."""
+    studio = _Studio(make_renderer, stage, elevation_deg=80)
+
+    def blended(rgb: tuple[int, ...]) -> Material:
+        picture = np.full((8, 8, 4), (*rgb, 255), np.uint8)
+        picture[:1, :1, 3] = 0 if has_holes else 255
+        return Material(base_map=picture, alpha=Alpha.BLEND)
+
+    below = _sheet(blended((255, 0, 0)))
+    above, aside = (_sheet(blended((0, 0, 255))).moved(1.0, np.array(at)) for at in ((0, 0, 0.02), (0, 0.5, 0.0)))
+    far_middle = replace(
+        above,
+        vertices=np.concatenate([above.vertices, aside.vertices]),
+        normals=np.concatenate([above.normals, aside.normals]),
+        triangles=np.concatenate([TRIANGLES, TRIANGLES + 4]),
+        uvs=np.concatenate([UVS, UVS]),
+    )
+    parts = (below, far_middle)[::order]
+    studio.renderer.render(Scene(studio.tracked, stage.placed(*parts)))
+    red, _, blue = studio.at(studio.renderer.read_bgr()[..., ::-1], (0.0, 0.0, 0.03))
+    assert blue > 5 * red
+
+
 def test_unlit_surfaces_have_the_colours_of_their_vertices_whatever_light_there_is(make_renderer, stage) -> None:
     studio = _Studio(make_renderer, stage)
     shines = Material(base_colour=(0.0, 0.0, 0.0, 1.0), emissive=(0.5, 0.5, 0.5), is_unlit=True)
