@@ -102,6 +102,16 @@ class Mesh:
         return replace(self, vertices=(self.vertices * scale + offset).astype(np.float32), motion=motion)
 
     @property
+    def greatest_opacity(self) -> float:
+        """Of its places, by the picture's most opaque texel, wherever that is used; unless its material is opaque."""
+        opacity = self.material.base_colour[3]
+        if self.material.base_map is not None:
+            opacity *= float(self.material.base_map[..., 3].max()) / 255
+        if self.colours is not None:
+            opacity *= float(self.colours[:, 3].max())
+        return opacity
+
+    @property
     def areas(self) -> Float:
         """(m,) of the triangles, square metres, at rest."""
         return np.asarray(np.linalg.norm(face_normals(self.vertices, self.triangles), axis=1) / 2)

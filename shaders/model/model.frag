@@ -256,28 +256,45 @@ void main() {
     float roundness = smoothstep(NOT_ROUND, ROUND, dot(facing, smooth_normal()));
     surface = normalize(mix(facing, smooth_normal(), roundness));
     on_surface += roundness * above_triangle(facing);
+    mat2x3 turns = mat2x3(dFdx(n), dFdy(n)), moves = mat2x3(dFdx(position), dFdy(position));
 #endif
     for (int light = 0; light < LIGHTS; ++light) {
         float falloff;
         vec3 to_light = towards_light(light, position, falloff);
         from_lights += light_irradiance[light] * falloff;
-        float cosine = max(dot(n, to_light), 0.0);
+        float cosine = dot(n, to_light);
+        float lit_share = 1.0;  // of the pixel that faces the light
+        vec3 lit_at = on_surface;
+        vec3 lit_surface = surface;
+#ifdef ROUNDED
+        // Of a pixel in which the light ends, as on a thin rim, the part is drawn that the light sees: by its share, the mean
+        // of its cosines, and the shadow in its middle. By the pixel's middle alone, lit and unlit ones would take turns.
+        vec2 grows = to_light * turns;
+        float spread = 0.5 * (abs(grows.x) + abs(grows.y));
+        if (abs(cosine) < spread) {
+            lit_share = 0.5 + 0.5 * cosine / spread;
+            vec2 aside = grows * ((lit_share * spread - cosine) / dot(grows, grows));
+            cosine = lit_share * spread;
+            lit_at += moves * aside;
+            lit_surface = normalize(surface + roundness * (turns * aside));
+        }
+#endif
+        cosine = max(cosine, 0.0);
 #ifdef COATED
         float coat_cosine = max(dot(coat_n, to_light), 0.0);
         if (max(cosine, coat_cosine) <= 0.0) continue;
 #else
         if (cosine <= 0.0) continue;
 #endif
-        if (dot(surface, to_light) <= 0.0) continue;
-        float lit = shadow(light, on_surface, surface, to_light);
-        through += lit;
+        if (dot(lit_surface, to_light) <= 0.0) continue;
+        float lit = shadow(light, lit_at, lit_surface, to_light);
+        through += lit * lit_share;
         vec3 arrives = light_irradiance[light] * (falloff * lit);
-        vec3 direct = arrives * cosine;
-        diffuse += direct;
+        diffuse += arrives * (lit_share * cosine);
 #ifdef GLOSSY
         vec3 between = normalize(to_eye + to_light);
         float v_h = max(dot(to_eye, between), 0.0);
-        float n_l = max(dot(shine_n, to_light), 1e-3);
+        float n_l = max(lit_share < 1.0 ? cosine : dot(shine_n, to_light), 1e-3);
         vec3 shine = ggx(facets, shine_n, between, n_v, n_l, v_h, tan_half_size[light]) * fresnel(f0, v_h);
         mirrored += arrives * n_l * compensation * shine;
 #ifdef COATED
@@ -327,6 +344,13 @@ void main() {
     // Where nothing is drawn there is a hole, and no glass.
     float there = min(base.a / LEAST_GLASS, 1.0);
     if (there <= 0.0) discard;
+#ifdef SOLID
+#ifdef IS_SOLID
+    if (base.a < SOLID) discard;
+#else
+    if (base.a >= SOLID) discard;
+#endif
+#endif
     added_light = vec4(min(((albedo * diffuse + emitted) * base.a + mirrored) * exposure, MOST_LIGHT), cover) * there;
     removed = vec4(cover * there);
 #else

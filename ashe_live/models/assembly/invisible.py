@@ -17,9 +17,5 @@ def _may_be_seen(part: Mesh) -> bool:
     material = part.material
     if material.alpha is Alpha.OPAQUE:
         return True
-    opacity = material.base_colour[3]
-    if material.base_map is not None:
-        opacity *= float(material.base_map[..., 3].max()) / 255
-    if part.colours is not None:
-        opacity *= float(part.colours[:, 3].max())
+    opacity = part.greatest_opacity
     return opacity >= material.alpha_cutoff if material.alpha is Alpha.CUT_OUT else opacity > 0

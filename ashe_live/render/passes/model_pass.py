@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from enum import Enum, auto
 
 import moderngl
 import numpy as np
@@ -24,6 +25,14 @@ NOWHERE: Float = np.zeros((4, 4))  # as a projection: nothing is drawn, but the 
 # A narrower specular lobe would be a point that flickers between pixels.
 MIN_ROUGHNESS = 0.06
 SOLID = 0.95  # opacity from which on a blended surface hides what is drawn later behind it
+
+
+class Only(Enum):
+    """Places of a part that are drawn by themselves."""
+
+    RIM = auto()  # of what is cut out: pixels that it fills in part
+    SOLID = auto()  # of what is blended: what hides all that is behind it
+    CLEAR = auto()  # and the others
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,8 +68,8 @@ class ModelPass:
         `looked_up` is asked at each step, as the quality may have changed since the last one.
         """
         for part in model.parts:
-            for is_rim in (False, True) if part.material.alpha is Alpha.CUT_OUT else (False,):
-                program = self._bound_program(part, looked_up(), is_rim)
+            for only in drawn_in(part):
+                program = self._bound_program(part, looked_up(), only)
                 set_uniforms(program, clip_from_marker=NOWHERE)
                 self._ctx.enable_only(gl_flags(part.material))
                 part.draw(program)
@@ -85,13 +94,14 @@ class ModelPass:
             for part in member.model.parts:
                 if part.material.alpha is Alpha.CUT_OUT:
                     self._ctx.enable_only(gl_flags(part.material) | moderngl.BLEND)
-                    self._draw(part, member, inputs, is_rim=True)
+                    self._draw(part, member, inputs, Only.RIM)
         self._ctx.fbo.depth_mask = True
 
     def draw_blended(self, standing: StandingGroup, inputs: ShadingInputs) -> None:
-        """Draws blended parts, after everything behind them: far before near, and so the triangles of clear ones.
+        """Draws blended parts, after everything behind them: first where they hide it, then where they are clear.
 
-        Of parts whose triangles keep their order: back faces before front faces.
+        Both far before near, and so the triangles of clear ones; of parts whose triangles keep their order back faces
+        before front faces. Many files blend everything, for the sake of a few clear places.
         """
         eye = inputs.framing.eye_marker
         blended = [
@@ -104,24 +114,27 @@ class ModelPass:
             return
         blended.sort(key=lambda each: -each[0])
         self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
-        for _, part, member in blended:
-            # The walls of a glass are seen through one another, and leaves through the holes in their pictures.
-            is_clear = part.material.base_colour[3] < SOLID
-            may_be_clear = is_clear or part.has_clear_places
-            is_sorted = may_be_clear and part.sort(transform_points(member.placed_from_marker, eye[None])[0])
-            is_clear |= is_sorted
-            shows_all = is_sorted and part.material.double_sided
-            self._ctx.enable_only(gl_flags(part.material) & ~(moderngl.CULL_FACE if shows_all else 0))
-            self._ctx.fbo.depth_mask = not is_clear
-            for culled in ("front", "back") if part.material.double_sided and not is_sorted else ("back",):
-                self._ctx.cull_face = culled
-                self._draw(part, member, inputs)
+        for only in (Only.SOLID, Only.CLEAR):
+            self._ctx.fbo.depth_mask = only is Only.SOLID
+            for _, part, member in blended:
+                if only in blended_in(part):
+                    self._draw_faces(part, member, inputs, only)
         self._ctx.fbo.depth_mask = True
         self._ctx.cull_face = "back"
 
-    def _draw(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs, is_rim: bool = False) -> None:
+    def _draw_faces(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs, only: "Only") -> None:
+        # The walls of a glass are seen through one another, and leaves through the holes in their pictures.
+        eye_placed = transform_points(standing.placed_from_marker, inputs.framing.eye_marker[None])[0]
+        is_sorted = only is Only.CLEAR and part.sort(eye_placed)
+        shows_all = is_sorted and part.material.double_sided
+        self._ctx.enable_only(gl_flags(part.material) & ~(moderngl.CULL_FACE if shows_all else 0))
+        for culled in ("front", "back") if part.material.double_sided and not is_sorted else ("back",):
+            self._ctx.cull_face = culled
+            self._draw(part, standing, inputs, only)
+
+    def _draw(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs, only: "Only | None" = None) -> None:
         material = part.material
-        program = self._bound_program(part, inputs.looked_up, is_rim)
+        program = self._bound_program(part, inputs.looked_up, only)
         set_uniforms(program, **layout_uniforms(part.mesh))
         set_uniforms(
             program,
@@ -147,13 +160,13 @@ class ModelPass:
         )
         part.draw(program)
 
-    def _bound_program(self, part: GpuPart, looked_up: LookedUp, is_rim: bool) -> moderngl.Program:
+    def _bound_program(self, part: GpuPart, looked_up: LookedUp, only: "Only | None") -> moderngl.Program:
         """The part's shader variant with all its textures bound: a driver may recompile for another kind of texture."""
         program = self._programs.get(
             "model/model",
             min_roughness=MIN_ROUGHNESS,
             **shading_constants(part),
-            rim=is_rim,
+            **only_constants(part, only),
             **looked_up.shadows.constants,
         )
         looked_up.shadows.bind(program)
@@ -162,6 +175,30 @@ class ModelPass:
         for name, texture in part.maps.items():
             texture.use(UNIT_OF[name])
         return program
+
+
+def drawn_in(part: GpuPart) -> tuple[Only | None, ...]:
+    """The places in which a part is drawn, one after the other; None: all of it at once."""
+    if part.material.alpha is Alpha.BLEND:
+        return blended_in(part)
+    return (None, Only.RIM) if part.material.alpha is Alpha.CUT_OUT else (None,)
+
+
+def blended_in(part: GpuPart) -> tuple[Only, ...]:
+    """The same of a blended part."""
+    if part.greatest_opacity < SOLID:
+        return (Only.CLEAR,)
+    return (Only.SOLID, Only.CLEAR) if part.has_clear_places else (Only.SOLID,)
+
+
+def only_constants(part: GpuPart, only: Only | None) -> dict[str, float]:
+    """Macros of the shader variant that draws these places alone."""
+    is_divided = part.material.alpha is Alpha.BLEND and len(blended_in(part)) > 1
+    return {
+        "rim": only is Only.RIM,
+        "solid": SOLID if is_divided else False,
+        "is_solid": is_divided and only is Only.SOLID,
+    }
 
 
 def gl_flags(material: Material) -> int:

@@ -349,6 +349,18 @@ def test_the_highlight_on_a_thin_rod_is_a_line_and_no_dots(make_renderer, stage)
     assert line.std() < 0.5 * line.mean()
 
 
+@pytest.mark.parametrize("turned_deg", [9.0, 14.0])
+def test_a_thin_rod_that_is_lit_from_behind_is_as_bright_all_along(make_renderer, stage, turned_deg: float) -> None:
+    """The light ends within a pixel: where the pixels' middles alone were asked, lit and unlit ones took turns."""
+    studio = _Studio(make_renderer, stage, "balanced", grey=0)
+    matt = Material(base_colour=(0.5, 0.5, 0.5, 1.0), roughness=1.0)
+    low_sun = stage.light(90, 10, (0.3, 0.3, 0.3))
+    picture = linear_from_srgb(studio.picture(_rod(matt, 0.001, turned_deg), low_sun)[..., 1] / 255)
+    line = picture[:, 190:290].sum(axis=0)  # of each column across the rod
+    assert line.mean() > 0.5
+    assert line.std() < 0.1 * line.mean()
+
+
 def test_clear_coat_puts_the_highlight_of_glass_on_what_is_matt(make_renderer, stage) -> None:
     studio = _Studio(make_renderer, stage, "accurate", 20, elevation_deg=45)
     light = stage.light(-60, 50, (0.5, 0.5, 0.5))
@@ -649,6 +661,34 @@ def test_what_is_behind_the_holes_of_a_near_card_is_seen(make_renderer, stage, b
         )
         red, green, _ = studio.middle(both)
         assert red > 5 * green
+
+
+@pytest.mark.parametrize("has_holes", [False, True])
+@pytest.mark.parametrize("order", [1, -1])
+def test_what_is_solid_of_a_blended_surface_hides_what_is_behind_it(
+    make_renderer, stage, has_holes: bool, order: int
+) -> None:
+    """Whatever the middles of the parts: many files blend all parts of a figure, for the sake of its lashes."""
+    studio = _Studio(make_renderer, stage, elevation_deg=80)
+
+    def blended(rgb: tuple[int, ...]) -> Material:
+        picture = np.full((8, 8, 4), (*rgb, 255), np.uint8)
+        picture[:1, :1, 3] = 0 if has_holes else 255
+        return Material(base_map=picture, alpha=Alpha.BLEND)
+
+    below = _sheet(blended((255, 0, 0)))
+    above, aside = (_sheet(blended((0, 0, 255))).moved(1.0, np.array(at)) for at in ((0, 0, 0.02), (0, 0.5, 0.0)))
+    far_middle = replace(
+        above,
+        vertices=np.concatenate([above.vertices, aside.vertices]),
+        normals=np.concatenate([above.normals, aside.normals]),
+        triangles=np.concatenate([TRIANGLES, TRIANGLES + 4]),
+        uvs=np.concatenate([UVS, UVS]),
+    )
+    parts = (below, far_middle)[::order]
+    studio.renderer.render(Scene(studio.tracked, stage.placed(*parts)))
+    red, _, blue = studio.at(studio.renderer.read_bgr()[..., ::-1], (0.0, 0.0, 0.03))
+    assert blue > 5 * red
 
 
 def test_unlit_surfaces_have_the_colours_of_their_vertices_whatever_light_there_is(make_renderer, stage) -> None:
