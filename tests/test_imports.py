@@ -86,8 +86,8 @@ ROOMS: dict[str, set[str]] = {
     },
     "commands": {
         "quality", "core", "errors", "files", "models", "capture", "tracking", "light.pixels", "light.estimators",
-        "light.live", "drawing", "render", "viewer", "bench.light", "bench.judge", "bench.track", "bench.render",
-        "bench.viewer", "bench.soak", "bench.cube", "bench.lamps", "process", "",
+        "light.live", "drawing", "render", "viewer", "bench", "bench.light", "bench.judge", "bench.track",
+        "bench.render", "bench.viewer", "bench.soak", "bench.cube", "bench.lamps", "process", "",
     },
     "cli": {"commands", "errors", "process"},
     "__main__": {"cli"},

@@ -130,28 +130,34 @@ def over_empty_tables(cases: Iterable[Case], folder: Path) -> list[Case]:
 def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
     """Rendered scenes, with camera, pose, corners, lights and masks given."""
     for scene in scenes:
-        camera = rendering_camera(scene)
-        marker, tags = scene["marker"], scene.get("tags", {})
+        camera, marker = rendering_camera(scene), scene["marker"]
         T_cam_marker = rigid(scene["R"], scene["t"])
         corners_px = _corners_px(camera, T_cam_marker, marker)
-        rms_px = reprojection_rms_px(camera, T_cam_marker, corners_px, marker["side_m"])
-        lamp_m, lamp_radius_m, foot_m = lamp_and_foot(scene)
-        yield Case(
-            id=scene["id"],
-            folder=folder.resolve().name,
-            category=scene.get("category", "scene"),
-            caster=(scene.get("caster") or {}).get("type"),
-            image_path=folder / scene["image"],
-            camera=camera,
-            marker=MarkerPose(T_cam_marker, corners_px, marker["side_m"], rms_px, None),
-            to_lights_marker=to_lights_marker(scene),
-            mask_paths={name: folder / file for name, file in scene.get("masks", {}).items()},
-            tags={kind: str(tags[kind]) for kind in KINDS if kind in tags},
-            marker_spec=marker_spec_of(marker),
-            lamp_m=lamp_m,
-            lamp_radius_m=lamp_radius_m,
-            foot_m=foot_m,
-        )
+        pose = rendered_pose(camera, T_cam_marker, corners_px, marker["side_m"])
+        yield rendered_case(folder, scene, "image", camera, pose)
+
+
+def rendered_case(folder: Path, entry: Mapping[str, Any], key: str, camera: Camera, marker: MarkerPose) -> Case:
+    """A rendered scene or take by its entry in the truth; key: of its file there, "image" or, of a take, "video"."""
+    lamp = next(iter(_by_strength(entry)), {}).get("lamp", {})
+    caster, tags = entry.get("caster") or {}, entry.get("tags", {})
+    foot_m = caster.get("base_xy_m")
+    return Case(
+        id=entry["id"],
+        folder=folder.resolve().name,
+        category=entry.get("category", "scene" if key == "image" else "take"),
+        caster=caster.get("type"),
+        image_path=folder / entry[key],
+        camera=camera,
+        marker=marker,
+        to_lights_marker=_to_lights_marker(entry),
+        mask_paths={name: folder / file for name, file in entry.get("masks", {}).items()},
+        tags={kind: str(tags[kind]) for kind in KINDS if kind in tags},
+        marker_spec=_marker_spec_of(entry["marker"]),
+        lamp_m=np.array(lamp["position_m"], dtype=np.float64) if lamp else None,
+        lamp_radius_m=lamp.get("radius_m"),
+        foot_m=None if foot_m is None else np.array(foot_m, dtype=np.float64),
+    )
 
 
 def _photos(folder: Path, content: dict[str, Any]) -> Iterator[Case]:
@@ -185,29 +191,18 @@ def rendering_camera(scene: Mapping[str, Any]) -> Camera:
     return Camera((width, height), np.array(scene["K"], dtype=np.float64), dist, "file", EXACT_PX)
 
 
-def marker_spec_of(marker: Mapping[str, Any]) -> str | None:
+def _marker_spec_of(marker: Mapping[str, Any]) -> str | None:
     """`marker_spec` of a Case, as far as its marker is stated."""
     if "dictionary" not in marker or "id" not in marker:
         return None
     return f"aruco:{str(marker['dictionary']).removeprefix('DICT_').lower()}:{marker['id']}"
 
 
-def to_lights_marker(scene: Mapping[str, Any]) -> Float | None:
+def _to_lights_marker(scene: Mapping[str, Any]) -> Float | None:
     """(n, 3) unit vectors, strongest first; None when the scene does not state them."""
     if "lights" not in scene:
         return None if scene.get("directional", True) else np.empty((0, 3))
     return np.array([light["dir_to_light"] for light in _by_strength(scene)], dtype=np.float64).reshape(-1, 3)
-
-
-def lamp_and_foot(scene: Mapping[str, Any]) -> tuple[Float | None, float | None, Float | None]:
-    """`lamp_m`, `lamp_radius_m` and `foot_m` of a Case, as far as the scene states them."""
-    lamp = next(iter(_by_strength(scene)), {}).get("lamp", {})
-    foot_m = (scene.get("caster") or {}).get("base_xy_m")
-    return (
-        np.array(lamp["position_m"], dtype=np.float64) if lamp else None,
-        lamp.get("radius_m"),
-        None if foot_m is None else np.array(foot_m, dtype=np.float64),
-    )
 
 
 def _by_strength(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -228,7 +223,8 @@ def _projected_square(camera: Camera, T_cam_marker: Float, side_m: float) -> Flo
     return np.asarray(pixels, dtype=np.float64).reshape(-1, 2)
 
 
-def reprojection_rms_px(camera: Camera, T_cam_marker: Float, corners_px: Float, side_m: float) -> float:
-    """Root mean square distance of corners (4, 2), pixels, from where a pose (4, 4) projects them."""
+def rendered_pose(camera: Camera, T_cam_marker: Float, corners_px: Float, side_m: float) -> MarkerPose:
+    """The true pose (4, 4) of a marker that is seen with its corners at (4, 2), pixels."""
     offsets = _projected_square(camera, T_cam_marker, side_m) - corners_px
-    return float(np.sqrt(np.mean(np.sum(offsets**2, axis=1))))
+    rms_px = float(np.sqrt(np.mean(np.sum(offsets**2, axis=1))))
+    return MarkerPose(T_cam_marker, corners_px, side_m, rms_px, None)

@@ -24,3 +24,20 @@ def figures_table(title: str, names: str | Sequence[str], *figures: str) -> Tabl
     for heading in figures:
         table.add_column(heading, justify="right")
     return table
+
+
+def cell(value: float | None, form: str) -> str:
+    """A figure in a format such as ".1f", as all of these; "-" for one that is not known."""
+    return "-" if value is None else format(value, form)
+
+
+def degrees(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1f}°"
+
+
+def percent(value: float | None) -> str:
+    return cell(value, ".0%")
+
+
+def fraction(value: float | None) -> str:
+    return cell(value, ".2f")

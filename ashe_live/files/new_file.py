@@ -11,7 +11,6 @@ import stat
 from importlib import import_module
 from itertools import count
 from pathlib import Path
-from types import TracebackType
 from typing import Any, BinaryIO, Self
 
 from ashe_live.errors import UserError
@@ -102,7 +101,7 @@ class NewFile:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self.discard()
 
     def _put(self, path: Path, overwrite: bool, beside: bool) -> bool:

@@ -78,14 +78,11 @@ class Mesh:
             normals=_checked_normals(self.normals, (count, 3), "normals"),
             triangles=_checked(self.triangles, np.uint32, (len(self.triangles), 3), "triangles"),
         )
-        if self.uvs is not None:
-            set_frozen(self, uvs=_checked(self.uvs, np.float32, (count, 2), "uvs"))
+        for name, width in (("uvs", 2), ("more_uvs", 2), ("colours", 4)):
+            if (values := getattr(self, name)) is not None:
+                set_frozen(self, **{name: _checked(values, np.float32, (count, width), name)})
         if self.motion is not None and self.motion.vertices.shape[1] != count:
             raise ValueError(f"poses are of {self.motion.vertices.shape[1]} vertices, not of {count}")
-        if self.more_uvs is not None:
-            set_frozen(self, more_uvs=_checked(self.more_uvs, np.float32, (count, 2), "more_uvs"))
-        if self.colours is not None:
-            set_frozen(self, colours=_checked(self.colours, np.float32, (count, 4), "colours"))
         if sum(uvs is not None for uvs in (self.uvs, self.more_uvs)) < self.material.uv_sets:
             raise ValueError("a material with maps on a mesh without texture coordinates")
         if len(self.triangles) == 0:

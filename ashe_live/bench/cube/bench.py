@@ -99,14 +99,11 @@ class CubeBench(Bench):
 
     def _tracked(self, target: Marker | Layout, picture: Image, T_cam_marker: Float) -> _Tracked | None:
         """None where it is not found."""
-        tracker = self._tracker(target)
+        tracker = MarkerTracker(target, CAMERA, EDGE_M, self.quality.tracking)
         pose = tracker.track(Frame(picture, 0, 0.0)).marker
         if pose is None:
             return None
         return _Tracked(turn_deg(pose.measured_T_cam_marker, T_cam_marker), _following_s(tracker, picture))
-
-    def _tracker(self, target: Marker | Layout) -> MarkerTracker:
-        return MarkerTracker(target, CAMERA, EDGE_M, self.quality.tracking)
 
 
 def _following_s(tracker: MarkerTracker, image: Image) -> float:

@@ -1,6 +1,5 @@
 """The estimator's answers to a set of cubes: errors, counts, calibration, lamps, ambient light, time."""
 
-import math
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -22,7 +21,7 @@ from ashe_live.bench.metrics import (
 from ashe_live.core.arrays import Float
 from ashe_live.core.contract import Json
 from ashe_live.core.light import LightEstimate
-from ashe_live.core.transforms import ELLIPSE_95, angle_between
+from ashe_live.core.transforms import ELLIPSE_95
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.quality import Quality
@@ -66,7 +65,7 @@ class _Tally:
     seen: list[bool] = field(default_factory=list)  # of each picture, whether it shows a shadow
     spent_ms: list[float] = field(default_factory=list)
     counted: list[bool] = field(default_factory=list)  # of each answer, whether it has as many lights as there are
-    wrong: int = 0  # answers that are sure, and wrong
+    wrong: int = 0  # answers with a light that is likelier right than wrong as stated, and far from every true one
     # Of each answer where there is a light:
     first_deg: list[float] = field(default_factory=list)  # error of the strongest light that is answered
     in_view_deg: list[float] = field(default_factory=list)  # the same, where a shadow is seen
@@ -77,11 +76,12 @@ class _Tally:
     ambient: list[tuple[float, float]] = field(default_factory=list)  # by an even sky, by a leaning one
 
     def add(self, estimate: LightEstimate, picture: CubePicture) -> None:
-        self.wrong += _is_sure_and_wrong(estimate, picture.lights)
+        errors = _errors_deg(estimate, picture.lights)
+        is_sure = np.array([(light.confidence or 0.0) > BAD_CONFIDENCE for light in estimate.lights])
+        self.wrong += bool((is_sure & (errors > BAD_DEG).all(axis=1)).any())
         self.counted.append(len(estimate.lights) == len(picture.lights))
         if not len(picture.lights):
             return
-        errors = _errors_deg(estimate, picture.lights)
         self.first_deg.append(errors[0].min())
         self.in_view_deg += [errors[0].min()] if self.seen[-1] else []
         self.worst_deg.append(errors.min(axis=0).max())
@@ -119,15 +119,5 @@ class _Tally:
 
 def _errors_deg(estimate: LightEstimate, lights: Float) -> Float:
     """(answered lights, true lights) angles between them."""
-    return np.array(
-        [[math.degrees(angle_between(light.to_light_marker, true[:3])) for true in lights] for light in estimate.lights]
-    )
-
-
-def _is_sure_and_wrong(estimate: LightEstimate, lights: Float) -> bool:
-    """Whether a light is stated as likelier right than wrong, far from every true one (n, 4)."""
-    return any(
-        (light.confidence or 0.0) > BAD_CONFIDENCE
-        and all(angular_error_deg(light.to_light_marker, true[:3]) > BAD_DEG for true in lights)
-        for light in estimate.lights
-    )
+    errors = [[angular_error_deg(light.to_light_marker, true[:3]) for true in lights] for light in estimate.lights]
+    return np.array(errors).reshape(len(estimate.lights), len(lights))

@@ -10,15 +10,17 @@ import numpy as np
 
 from ashe_live.bench.cases import EXACT_PX, decoded, ground_truth
 from ashe_live.bench.cube.ambient import NORMALS, painted_sky
-from ashe_live.bench.cube.painted_scene import CubeScene
-from ashe_live.bench.cube.painter import painted
+from ashe_live.bench.cube.painted_scene import CubeScene, hull_of
+from ashe_live.bench.cube.painter import cast_on_table, painted, projected
 from ashe_live.bench.cube.scenes import CubeSet, before
-from ashe_live.bench.cube.shadow_in_view import is_seen
-from ashe_live.core.arrays import Float, Image, directions_on_spiral
+from ashe_live.core.arrays import Float, Image, Mask, directions_on_spiral
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
 from ashe_live.errors import UserError
 from ashe_live.tracking.cube.faces import CUBE
+
+# Of the cube's area in the picture, from which on a shadow is seen: less is a sliver beside the cube's foot.
+SEEN = 0.05
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,3 +118,18 @@ def _quadratic(normals: Float) -> Float:
     """(n, 9) terms of an irradiance's quadratic in the normal (n, 3), as the generator has them."""
     x, y, z = normals.T
     return np.column_stack([np.ones_like(x), x, y, z, x * y, y * z, z * x, x * x - y * y, 3 * z * z - 1])
+
+
+def is_seen(scene: CubeScene, light: Float) -> bool:
+    """Whether enough of the cube's shadow on the table in a light (4,) lies in the picture and not behind the cube."""
+    body = hull_of(scene)
+    cube, shadow = (_silhouette(scene, points) for points in (body, cast_on_table(body, light)))
+    return int(np.count_nonzero(shadow & ~cube)) > SEEN * int(np.count_nonzero(cube))
+
+
+def _silhouette(scene: CubeScene, points: Float) -> Mask:
+    """(h, w) where the hull of points (n, 3), the cube's frame, lies in the picture."""
+    mask = np.zeros(scene.camera.size[::-1], np.uint8)
+    pixels = projected(scene.camera, scene.T_cam_cube, points).astype(np.float32)
+    cv2.fillConvexPoly(mask, np.round(cv2.convexHull(pixels)[:, 0]).astype(np.int32), 1)
+    return mask > 0

@@ -10,10 +10,9 @@ import numpy as np
 from rich.console import Console
 
 from ashe_live.bench.cases import GROUND_TRUTH, Case, ground_truth
-from ashe_live.bench.light.cells import degrees, percent
 from ashe_live.bench.light.results import CaseResult, summarise
 from ashe_live.bench.metrics import median
-from ashe_live.bench.tables import figures_table
+from ashe_live.bench.tables import degrees, figures_table, percent
 from ashe_live.core.caster import Caster, parsed_caster
 
 SPECIFICATIONS = "specifications.json"  # beside the truth in the generator's own sets

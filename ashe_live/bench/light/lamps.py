@@ -13,7 +13,6 @@ from ashe_live.core.light import Light
 
 BESIDE_M = 0.2  # from the object: where a model may stand
 ELLIPSOID_95 = 7.815  # squared Mahalanobis distance in three dimensions that 95 % lie within
-NEAR_M, FAR_M, FARTHEST_M = 0.6, 1.1, 1e6  # distances up to which lamps are summarised by themselves
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,9 +21,7 @@ class LampFigures:
 
     true_distance_m: float | None  # of the strongest light from the marker's centre; None for a sun
     is_stated: bool  # whether the answer is a lamp
-    beside_deg: float | None = (
-        None  # mean error of the direction at four points BESIDE_M from the object, along x and y
-    )
+    beside_deg: float | None = None  # mean error of the direction BESIDE_M from the object, along x and y
     distance_error: float | None = None  # of a lamp stated as such: error of its distance over that distance
     sigmas: float | None = None  # of the same: error of its inverse distance, in standard deviations
     squared_sigmas: float | None = None  # of the same: squared Mahalanobis distance of direction and inverse distance
@@ -43,12 +40,8 @@ def lamp_figures(light: Light | None, case: Case) -> LampFigures | None:
     beside = None if case.foot_m is None else _beside_deg(light.homogeneous, true, case.foot_m)
     if light.inverse_distance == 0 or distance_m is None:
         return LampFigures(distance_m, is_stated=light.inverse_distance > 0, beside_deg=beside)
-    figures = LampFigures(
-        distance_m,
-        is_stated=True,
-        beside_deg=beside,
-        distance_error=abs(1 / light.inverse_distance / distance_m - 1),
-    )
+    off_by = abs(1 / light.inverse_distance / distance_m - 1)
+    figures = LampFigures(distance_m, is_stated=True, beside_deg=beside, distance_error=off_by)
     if light.lamp_covariance is not None:
         off = np.append(tangent_offset(light.to_light_marker, true[:3]), true[3] - light.inverse_distance)
         sigmas = float(-off[2] / math.sqrt(light.lamp_covariance[2, 2]))

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from rich.console import Console
 from rich.table import Table
 
-from ashe_live.bench.light.cells import degrees, fraction, percent
 from ashe_live.bench.light.results import ALL, GOOD_DEG, CaseResult, Summary
-from ashe_live.bench.tables import figures_table
+from ashe_live.bench.tables import cell, degrees, figures_table, fraction, percent
 
 WORST = 10
 
@@ -41,7 +40,7 @@ def _errors(name: str, summaries: Mapping[str, Summary]) -> Table:
             *map(degrees, errors),
             percent(summary.good_share),
             percent(summary.right_count_share),
-            *("-" if ms is None else f"{ms:.0f}" for ms in (summary.median_ms, summary.p95_ms)),
+            *(cell(ms, ".0f") for ms in (summary.median_ms, summary.p95_ms)),
         )
     return table
 
@@ -71,7 +70,7 @@ def _times(name: str, stages: Mapping[str, Mapping[str, float]], everything: Sum
     for stage, ms in stages.items():
         table.add_row(stage, *(f"{ms[key]:.1f}" for key in ("p50", "p95")))
     cpu_ms = (everything.median_cpu_ms, everything.p95_cpu_ms)
-    table.add_row("total, CPU of all threads", *("-" if ms is None else f"{ms:.1f}" for ms in cpu_ms))
+    table.add_row("total, CPU of all threads", *(cell(ms, ".1f") for ms in cpu_ms))
     return table
 
 

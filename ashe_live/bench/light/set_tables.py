@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from rich.console import Console
 
-from ashe_live.bench.light.cells import degrees, fraction, percent
 from ashe_live.bench.light.clips import EVERY, ClipResult
-from ashe_live.bench.light.lamps import FAR_M, FARTHEST_M, NEAR_M, summarise_lamps
+from ashe_live.bench.light.lamps import summarise_lamps
 from ashe_live.bench.light.results import CONFIDENT_DEG, CaseResult, summarise
 from ashe_live.bench.light.takes import TakeResult, confidence_falls, grouped_by_span
 from ashe_live.bench.metrics import (
@@ -21,8 +20,9 @@ from ashe_live.bench.metrics import (
     risk_by_coverage,
     share,
 )
-from ashe_live.bench.tables import figures_table
+from ashe_live.bench.tables import cell, degrees, figures_table, fraction, percent
 
+NEAR_M, FAR_M, FARTHEST_M = 0.6, 1.1, 1e6  # distances up to which lamps are summarised by themselves
 # Distances of lights, above the first and up to the second.
 DISTANCES = {
     "sun": (FARTHEST_M, math.inf),
@@ -73,7 +73,7 @@ def print_takes(console: Console, results: Sequence[TakeResult]) -> None:
                     degrees(percentile((each.result.error_deg for each in lit), 95)),
                     *map(percent, (some.within_1_sigma, some.within_ellipse_95, some.bad_share)),
                     fraction(mean(each.result.confidence for each in lit)),
-                    "-" if some.median_ms is None else f"{some.median_ms:.0f}",
+                    cell(some.median_ms, ".0f"),
                 )
         console.print(table)
         falls = confidence_falls(members)

@@ -8,15 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ashe_live.bench.cases import (
-    Case,
-    ground_truth,
-    lamp_and_foot,
-    marker_spec_of,
-    rendering_camera,
-    reprojection_rms_px,
-    to_lights_marker,
-)
+from ashe_live.bench.cases import Case, ground_truth, rendered_case, rendered_pose, rendering_camera
 from ashe_live.bench.light.results import CaseResult, case_result, timed_estimate
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.core.camera import Camera
@@ -142,26 +134,10 @@ def _take(folder: Path, take: dict[str, Any]) -> Take | None:
     for frame in take["frames"]:
         T_cam_marker, corners_px = rigid(frame["R"], frame["t"]), np.array(frame["marker_corners_px"], np.float64)
         if frame.get("marker_detected", True):
-            rms_px = reprojection_rms_px(camera, T_cam_marker, corners_px, side_m)
-            poses[int(frame["frame"])] = MarkerPose(T_cam_marker, corners_px, side_m, rms_px, None)
+            poses[int(frame["frame"])] = rendered_pose(camera, T_cam_marker, corners_px, side_m)
     if not poses:
         return None
-    lamp_m, lamp_radius_m, foot_m = lamp_and_foot(take)
-    case = Case(
-        id=take["id"],
-        folder=folder.resolve().name,
-        category=take.get("category", "take"),
-        caster=(take.get("caster") or {}).get("type"),
-        image_path=folder / take["video"],
-        camera=camera,
-        marker=next(iter(poses.values())),
-        to_lights_marker=to_lights_marker(take),
-        mask_paths={},
-        marker_spec=marker_spec_of(take["marker"]),
-        lamp_m=lamp_m,
-        lamp_radius_m=lamp_radius_m,
-        foot_m=foot_m,
-    )
+    case = rendered_case(folder, take, "video", camera, next(iter(poses.values())))
     return Take(case, float(take["span_deg"]), poses)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from ashe_live.bench.tables import figures_table
+from ashe_live.bench.tables import cell, figures_table
 from ashe_live.core.contract import Json
 from ashe_live.quality import BALANCED
 
@@ -66,7 +66,7 @@ def _error_cells(errors: list[Json]) -> list[str]:
 
 
 def _costs(row: Json) -> list[str]:
-    return ["-" if row[key] is None else f"{row[key]:.2f}" for key in ("p50", "p99", "gpu_p50", "gpu_p99")]
+    return [cell(row[key], ".2f") for key in ("p50", "p99", "gpu_p50", "gpu_p99")]
 
 
 def _size(size: list[int]) -> str:

@@ -32,7 +32,6 @@ from ashe_live.bench.track.measures import (
 from ashe_live.bench.track.tables import Figure, print_clips, print_errors, print_figures
 from ashe_live.bench.track.takes import HD, LENS, SMALL, Take, at_rest, roaming, scattered, sliding
 from ashe_live.bench.track.trade import COST, SETTLED_FRAMES, print_trade, sweep
-from ashe_live.core.camera import Camera
 from ashe_live.core.contract import Json
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.edges.corner_errors import FITTED
@@ -137,20 +136,17 @@ class TrackBench(Bench):
         yield from hard_print_figures(self.preset, QUICK_VIEWS if self.quick else STRIP_VIEWS)
 
     def _cost(self) -> Iterator[Figure]:
-        for camera, most in ((HD, 0.4), (SMALL, 0.8)):
-            yield from self._cost_at(camera, most)
-
-    def _cost_at(self, camera: Camera, most: float) -> Iterator[Figure]:
-        """`most`: of what OpenCV takes."""
-        given = self._contend(roaming("cost", 133, 30, self._frames(240), camera))
-        where = f"{camera.size[0]}x{camera.size[1]}, 133 px"
-        # The first frames include one-time initialisation.
-        ms = {name: float(np.median([answer.ms for answer in every[5:]])) for name, every in given.items()}
-        worst = {name: float(np.percentile([answer.ms for answer in every[5:]], 95)) for name, every in given.items()}
-        yield Figure(f"cost, {where} (95th percentile)", "ms", worst[REFERENCE], worst[OURS], None)
-        cpu = {name: float(np.median([answer.cpu_ms for answer in every[5:]])) for name, every in given.items()}
-        yield Figure(f"cost, {where} (median)", "ms", ms[REFERENCE], ms[OURS], most * ms[REFERENCE])
-        yield Figure(f"the same in processor time, {where}", "ms", cpu[REFERENCE], cpu[OURS], most * cpu[REFERENCE])
+        for camera, most in ((HD, 0.4), (SMALL, 0.8)):  # of what OpenCV takes
+            given = self._contend(roaming("cost", 133, 30, self._frames(240), camera))
+            where = f"{camera.size[0]}x{camera.size[1]}, 133 px"
+            # The first frames include one-time initialisation.
+            wall = {who: [answer.ms for answer in every[5:]] for who, every in given.items()}
+            worst = {who: float(np.percentile(ms, 95)) for who, ms in wall.items()}
+            yield Figure(f"cost, {where} (95th percentile)", "ms", worst[REFERENCE], worst[OURS], None)
+            ms = {who: float(np.median(every)) for who, every in wall.items()}
+            yield Figure(f"cost, {where} (median)", "ms", ms[REFERENCE], ms[OURS], most * ms[REFERENCE])
+            cpu = {who: float(np.median([answer.cpu_ms for answer in every[5:]])) for who, every in given.items()}
+            yield Figure(f"the same in processor time, {where}", "ms", cpu[REFERENCE], cpu[OURS], most * cpu[REFERENCE])
 
     def _errors(self, name: str, take: Take, most_deg: float | None, flips: bool = False) -> Iterator[Figure]:
         given = self._contend(take)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from rich.console import Console
 
-from ashe_live.bench.tables import figures_table
+from ashe_live.bench.tables import cell, figures_table
 from ashe_live.bench.track.clips import ClipFigures
 
 
@@ -75,4 +75,4 @@ def _target(figure: Figure) -> str:
 
 
 def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3g}"
+    return cell(value, ".3g")

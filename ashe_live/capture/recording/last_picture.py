@@ -1,7 +1,6 @@
 """Records one picture instead of a clip: of a photo the one that there is, of a clip the last."""
 
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from ashe_live.capture.snapshot import write_png
@@ -25,6 +24,6 @@ class LastPicture:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, at: object) -> None:
         if error is None and self._picture is not None:
             self.path = write_png(self.path, self._picture, self._overwrite, beside=True)

@@ -17,7 +17,7 @@ from ashe_live.light.ground.regions import region_with_on_plane
 from ashe_live.light.views.joint.aligned import JointExplanation
 from ashe_live.light.views.joint.log_odds import no_less_sure
 from ashe_live.light.views.joint.repeated import counted_once
-from ashe_live.light.views.plane_evidence import without_plane
+from ashe_live.light.views.plane import without_plane
 
 SEARCHED_ALONE = 4  # number of views that are searched as single pictures are, where all of them together leave doubt
 

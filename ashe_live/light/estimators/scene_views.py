@@ -11,7 +11,7 @@ from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.lamps.lit_by_lamp import lit_ground_beside, lit_ground_of
 from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreeing_views import WIDTH_PX, agreeing
-from ashe_live.light.views.plane_evidence import with_plane
+from ashe_live.light.views.plane import with_plane
 from ashe_live.light.views.selection import usable
 
 

@@ -11,7 +11,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised, tangent_basis
 from ashe_live.light.hull.carved import Carved, InLight
 from ashe_live.light.hull.measured import shape_and_shadow
-from ashe_live.light.views.joint.by_pixels import log_likelihoods_by_pixels
+from ashe_live.light.views.joint.average_light import log_likelihoods_by_pixels
 
 COARSE_RAD, COARSE = math.radians(4.0), 5  # step of the first grid of directions, and steps to each side
 FINE_SIGMAS, FINE = 0.8, 3  # of the second, in sigmas of the first one's result

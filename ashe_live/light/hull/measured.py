@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,14 +23,6 @@ LEAST_LINES = 6  # tangents of shadows, in all views
 HALF_SIZE = 0.6  # a body's half size over the root of its silhouette's area: between a disc's 0.56 and a square's 0.71
 
 
-@dataclass(frozen=True, slots=True)
-class _Tangents:
-    """Tangents of an outline in a view's region."""
-
-    lines: Float  # (n, 3) with (x, y, 1) @ line <= 0 inside, the first two of unit length
-    sigma_px: Float  # (n,)
-
-
 def shape_and_shadow(
     views: Sequence[Labelled], masks: Sequence[Predicted], middle: Float
 ) -> tuple[SupportFunction, ShadowLines] | None:
@@ -49,12 +40,12 @@ def shape_and_shadow(
         depth_m = float(view.P[2, :3] @ middle + view.P[2, 3])
         if outlines is None or depth_m <= 0:
             continue
-        body_tangents = _tangents(view, outlines, 0, outlines.seen[0], math.nan)
+        lines, sigma_px = _tangents(view, outlines, 0, outlines.seen[0], math.nan)
+        planes.append(planes_of_lines(view.P, lines, sigma_px, depth_m))
         # Beyond the object: elsewhere it hides more of the shadow, or labels take some of that for it.
         beyond = outlines.seen[1] & (outlines.least_px[1] > outlines.most_px[0])
-        shadow_tangents = _tangents(view, outlines, 1, beyond, -view.shift)
-        planes.append(planes_of_lines(view.P, body_tangents.lines, body_tangents.sigma_px, depth_m))
-        shadows.append(shadow_lines(view.P, shadow_tangents.lines, shared * shadow_tangents.sigma_px, depth_m))
+        lines, sigma_px = _tangents(view, outlines, 1, beyond, -view.shift)
+        shadows.append(shadow_lines(view.P, lines, shared * sigma_px, depth_m))
         sizes_m.append(outlines.size_px * depth_m / view.focal_px)
     if sum(len(each.reach_m) for each in shadows) < LEAST_LINES:
         return None
@@ -79,14 +70,15 @@ def _largest(mask: Mask) -> Mask:
     return next(iter(areas_by_size(mask, 1)), mask)
 
 
-def _tangents(view: Labelled, outlines: Outlines, row: int, chosen: Mask, rise: float) -> _Tangents:
+def _tangents(view: Labelled, outlines: Outlines, row: int, chosen: Mask, rise: float) -> tuple[Float, Float]:
     """The tangents of an outline along the chosen directions (d,), moved onto the steps of light where these are seen.
 
+    In the region: lines (n, 3) with (x, y, 1) @ line <= 0 inside, the first two of unit length; and (n,) sigmas, px.
     Colours are smeared by cameras that take noise from them, and labels with them; brightness hardly is.
     """
     normals, reach = outlines.directions[chosen], outlines.least_px[row, chosen]
     if not len(normals):
-        return _Tangents(np.empty((0, 3)), np.empty(0))
+        return np.empty((0, 3)), np.empty(0)
     hull = (outlines.body, *outlines.shadows)[row].hull_px
     touched = hull[(hull @ normals.T).argmax(axis=0)] + outlines.centre_px
     A = view.picture_from_region
@@ -96,4 +88,4 @@ def _tangents(view: Labelled, outlines: Outlines, row: int, chosen: Mask, rise: 
     scale = float(A[0, 0])
     reach = reach + np.where(is_seen, steps.offset_px[0] / scale, 0.0)
     sigma = np.where(is_seen, STEP_SIGMA_PX, UNSEEN_SIGMA_PX)
-    return _Tangents(np.column_stack([normals, -(reach + normals @ outlines.centre_px)]), sigma)
+    return np.column_stack([normals, -(reach + normals @ outlines.centre_px)]), sigma

@@ -3,13 +3,10 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.core.transforms import image_from_plane
-from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.sheet import PAPER_FROM, MarkerPicture
 
 # Distance from the marker's centre, in its sides, up to which paper's end is looked for: the lower end of an A4 page
@@ -45,7 +42,8 @@ class PageLines:
     def of(picture: MarkerPicture, reaches: Sequence[float] = 4 * (BESIDE,)) -> "PageLines":
         """Lines beside each other up to these reaches (4,) right, above, left and below of the centre, in sides."""
         outwards = np.arange(PAPER_FROM, FARTHEST, STEP)
-        colours, seen = _colours_at(picture, _places(outwards, reaches))
+        colours, _, is_seen = picture.colours_at(_places(outwards, reaches))
+        seen = np.logical_and.accumulate(is_seen, axis=2)
         margin = np.median(colours[:, :, : WINDOW - 1], axis=2, keepdims=True)
         padded = np.concatenate([np.repeat(margin, WINDOW - 1, axis=2), colours], axis=2)
         medians = _medians(padded)
@@ -86,20 +84,6 @@ def _places(outwards: Float, reaches: Sequence[float]) -> Float:
     out, y = np.meshgrid(outwards, np.linspace(-below, above, LINES))
     x = np.meshgrid(outwards, np.linspace(-left, right, LINES))[1]
     return np.stack([(out, y), (x, out), (-out, y), (x, -out)]).transpose(0, 2, 3, 1)  # right, above, left, below
-
-
-def _colours_at(picture: MarkerPicture, places: Float) -> tuple[Float32, Mask]:
-    """(4, lines, n, 3) log-opponent colours at places (4, lines, n, 2), and whether all up to there is in view."""
-    plane = np.insert(picture.side_m * places, 2, 1.0, axis=3)
-    x, y, depth = np.moveaxis(plane @ image_from_plane(picture.camera, picture.T_cam_marker).T, 3, 0)
-    ahead = depth > 1e-9 * picture.side_m
-    x, y = (np.where(ahead, each / np.where(ahead, depth, 1), -1.0).astype(np.float32) for each in (x, y))
-    width, height = picture.camera.size
-    seen = ahead & (x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)
-    lines = -1, places.shape[2]  # as one picture, which `remap` takes
-    samples = cv2.remap(picture.image_bgr, x.reshape(lines), y.reshape(lines), cv2.INTER_LINEAR)
-    colours = log_opponent(np.asarray(samples, dtype=np.uint8), 0).reshape(*x.shape, 3)
-    return colours, np.logical_and.accumulate(seen, axis=2)
 
 
 def _medians(colours: Float32) -> Float32:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.pixels.log_colour import log_opponent
@@ -34,6 +34,21 @@ class MarkerPicture:
     camera: Camera  # of that size
     T_cam_marker: Float  # (4, 4)
     side_m: float  # of the marker
+
+    def colours_at(self, places: Float) -> tuple[Float32, Mask, Mask]:
+        """Log-opponent colours (..., n, 3) at places (..., n, 2) on the marker's plane, in its sides from its centre.
+
+        And of each (..., n) whether it lies before the camera, and whether in the picture.
+        """
+        plane = np.insert(self.side_m * places, 2, 1.0, axis=-1)
+        x, y, depth = np.moveaxis(plane @ image_from_plane(self.camera, self.T_cam_marker).T, -1, 0)
+        is_ahead = depth > 1e-9 * self.side_m
+        x, y = (np.where(is_ahead, each / np.where(is_ahead, depth, 1), -1.0).astype(np.float32) for each in (x, y))
+        width, height = self.camera.size
+        is_seen = is_ahead & (x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)
+        lines = -1, x.shape[-1]  # as one picture, which `remap` takes
+        samples = cv2.remap(self.image_bgr, x.reshape(lines), y.reshape(lines), cv2.INTER_LINEAR)
+        return log_opponent(np.asarray(samples, dtype=np.uint8), 0).reshape(*x.shape, 3), is_ahead, is_seen
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,19 +78,12 @@ def measured_sheet(picture: MarkerPicture) -> Sheet:
     outwards = np.arange(PAPER_FROM, LARGEST_SHEET, STEP)
     out, along = np.meshgrid(outwards, ALONG)
     places = np.stack([(out, along), (along, out), (-out, along), (along, -out)])  # right, above, left, below
-    plane = np.insert(picture.side_m * places.transpose(0, 2, 3, 1), 2, 1.0, axis=3)
-    image = plane @ image_from_plane(picture.camera, picture.T_cam_marker).T
-    depth = image[..., 2]
-    if depth.min() <= 0:
+    colours, is_ahead, is_seen = picture.colours_at(places.transpose(0, 2, 3, 1))
+    if not is_ahead.all():
         return USUAL_SHEET
-    x, y = (image[..., :2] / depth[..., None]).transpose(3, 0, 1, 2).astype(np.float32)
-    width, height = picture.camera.size
-    is_seen = ((x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)).all(axis=(1, 2))
-    samples = cv2.remap(picture.image_bgr, x.reshape(-1, len(outwards)), y.reshape(-1, len(outwards)), cv2.INTER_LINEAR)
-    colours = log_opponent(np.asarray(samples, dtype=np.uint8), 0).reshape(*x.shape, 3)
     paper = np.median(colours[:, :, outwards <= PAPER_TO], axis=2, keepdims=True)
     change = np.median(np.linalg.norm(colours - paper, axis=3), axis=1)
-    ends = [_end(outwards, each) if seen else None for each, seen in zip(change, is_seen, strict=True)]
+    ends = [_end(outwards, each) if seen.all() else None for each, seen in zip(change, is_seen, strict=True)]
     known = [end + ADDED for end in ends if end is not None]
     others = float(np.median(known)) if known else USUAL
     return Sheet(*(others if end is None else end + ADDED for end in ends))

@@ -7,14 +7,17 @@ plane").
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.transforms import camera_centre, project
+from ashe_live.light.explanation.scene_view import SceneView
+from ashe_live.light.ground.lit_ground import with_on_plane
 from ashe_live.light.pixels.areas import shrunk, smoothed
+from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View, plane_homography
 
 # Standard deviation of an 8-bit sRGB value: sensor noise and JPEG, after the smoothing of the colours.
@@ -38,6 +41,9 @@ CORRELATION = 0.5
 REDUCED, EXPOSURE_ROUNDS, EXPOSURE_SCALE, FLATNESS = 4, 4, 0.08, 0.02
 GLOSS_SHARE, GLOSS_SCALE, LEAST_WEIGHT = 1 / 16, 0.15, 0.05
 
+# Number of views that the plane is compared with, for the first view and for another: more add hardly any evidence.
+COMPARED_WITH_FIRST, COMPARED_WITH_ANOTHER = 4, 1
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OnPlane:
@@ -48,6 +54,23 @@ class OnPlane:
     residual: Float32  # (h, w, 3) the reference's colours less these
     variance: Float32  # (h, w, 3) expected of the residual where both show the same point of the plane
     shear_px: Float  # (2,) in the reference view, of a point TALL above the marker's centre
+
+
+def with_plane(views: Sequence[SceneView]) -> list[SceneView]:
+    """The views with the others' evidence on which of their pixels lie on the plane."""
+    found, colours = [], [log_opponent(view.coarse.image_bgr) for view in views]
+    for number, view in enumerate(views):
+        others = [i for i in range(len(views)) if i != number]
+        others = others[: COMPARED_WITH_ANOTHER if number else COMPARED_WITH_FIRST]
+        seen = [on_plane(view.coarse, colours[number], views[i].coarse, colours[i]) for i in others]
+        ratio = log_likelihood_ratio([each for each in seen if each is not None], view.coarse.is_ground.shape)
+        found.append(replace(view, ground=with_on_plane(view.ground, ratio)))
+    return found
+
+
+def without_plane(view: SceneView) -> SceneView:
+    """The view without the others' evidence on which of its pixels lie on the plane."""
+    return replace(view, ground=replace(view.ground, on_plane=None))
 
 
 def where_in(mask: Mask, of: View, to: View) -> Mask:

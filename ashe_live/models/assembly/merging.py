@@ -1,12 +1,15 @@
 """Meshes of one surface made one: what is drawn costs as many calls as there are surfaces, however many nodes."""
 
 from collections.abc import Hashable, Iterable
-from dataclasses import fields
+from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 
 from ashe_live.models.material import MAPS, Alpha, Material
 from ashe_live.models.mesh import Mesh, Motion
+
+ATTRIBUTES = ("vertices", "normals", "uvs", "more_uvs", "colours")  # of a Mesh, one a vertex
 
 
 def merged(parts: Iterable[Mesh]) -> tuple[Mesh, ...]:
@@ -28,24 +31,14 @@ def _surface(material: Material) -> Hashable:
 
 
 def _joined(group: list[Mesh]) -> Mesh:
+    """One mesh of several that have attributes of the same names."""
     firsts = np.cumsum([0, *(len(part.vertices) for part in group[:-1])])
-    uvs = [part.uvs for part in group if part.uvs is not None]
-    more_uvs = [part.more_uvs for part in group if part.more_uvs is not None]
-    colours = [part.colours for part in group if part.colours is not None]
+    names = [name for name in ATTRIBUTES if getattr(group[0], name) is not None]
+    joined: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in group]) for name in names}
     motions = [part.motion for part in group if part.motion is not None]
-    motion = None
     if motions:  # all of one animation, so of the same moments
         vertices = np.concatenate([each.vertices for each in motions], axis=1)
         normals = np.concatenate([each.normals for each in motions], axis=1)
-        motion = Motion(vertices, normals, motions[0].duration_s)
-    return Mesh(
-        vertices=np.concatenate([part.vertices for part in group]),
-        normals=np.concatenate([part.normals for part in group]),
-        triangles=np.concatenate([part.triangles + first for part, first in zip(group, firsts, strict=True)]),
-        uvs=np.concatenate(uvs) if uvs else None,
-        colours=np.concatenate(colours) if colours else None,
-        material=group[0].material,
-        more_uvs=np.concatenate(more_uvs) if more_uvs else None,
-        motion=motion,
-        faces_inwards=group[0].faces_inwards,
-    )
+        joined["motion"] = Motion(vertices, normals, motions[0].duration_s)
+    triangles = np.concatenate([part.triangles + first for part, first in zip(group, firsts, strict=True)])
+    return replace(group[0], triangles=triangles, **joined)

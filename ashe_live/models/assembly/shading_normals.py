@@ -16,9 +16,7 @@ CLOSED_WITHIN = 1e-4  # of the area
 
 def vertex_normals(vertices: Float32, triangles: Indices) -> Float:
     """(n, 3) sums of the triangles that share each vertex, by area."""
-    faces = np.repeat(face_normals(vertices, triangles), 3, axis=0)
-    each = triangles.ravel()
-    return np.column_stack([np.bincount(each, weights=column, minlength=len(vertices)) for column in faces.T])
+    return _sums_by(triangles.ravel(), np.repeat(face_normals(vertices, triangles), 3, axis=0), len(vertices))
 
 
 def completed_normals(normals: Float32, vertices: Float32, triangles: Indices) -> Float32:
@@ -72,7 +70,7 @@ def _totals(place: NDArray[np.int64], areas: Float) -> tuple[Float, NDArray[np.b
 
     What is within half of CREASE_RAD of the sum is within all of it of one another.
     """
-    totals: Float = np.array([np.bincount(place, weights=column) for column in areas.T]).T
+    totals = _sums_by(place, areas)
     along = np.einsum("ij,ij->i", unit_rows(areas), unit_rows(totals)[place])
     is_smooth = np.ones(len(totals), np.bool_)
     is_smooth[place[along <= math.cos(CREASE_RAD / 2)]] = False
@@ -90,9 +88,8 @@ def _creased(place: NDArray[np.int64], areas: Float) -> Float32:
     normals[others] = _sums_of_alike(place[others], areas[others])
     areas = areas[crowded]
     keys = place[crowded] * WAYS**3 + _facing(areas)
-    ways, one_of, way = np.unique(keys, return_index=True, return_inverse=True)
-    together: Float = np.array([np.bincount(way, weights=column, minlength=len(ways)) for column in areas.T]).T
-    normals[crowded] = _sums_of_alike(place[crowded][one_of], together)[way]
+    _, one_of, way = np.unique(keys, return_index=True, return_inverse=True)
+    normals[crowded] = _sums_of_alike(place[crowded][one_of], _sums_by(way, areas))[way]
     return unit_rows(normals).astype(np.float32)
 
 
@@ -115,6 +112,11 @@ def _sums_of_alike(place: NDArray[np.int64], areas: Float) -> Float:
     sums = np.empty_like(total)
     sums[order] = total
     return sums
+
+
+def _sums_by(numbers: NDArray[np.integer], vectors: Float, count: int = 0) -> Float:
+    """(at least `count`, 3) the sum of the vectors (n, 3) with each of `numbers` (n,), from 0 on."""
+    return np.column_stack([np.bincount(numbers, weights=column, minlength=count) for column in vectors.T])
 
 
 def _facing(areas: Float) -> NDArray[np.int64]:

@@ -89,10 +89,8 @@ def _corner_lists(faces: Element, vertices: int) -> Lists:
 
 def _columns(element: Element, names: tuple[str, ...]) -> Float | None:
     """(n, names); None where one of them is missing."""
-    found = [element.numbers.get(name) for name in names]
-    return (
-        None if any(each is None for each in found) else np.column_stack([each for each in found if each is not None])
-    )
+    is_there = element.numbers.keys() >= set(names)
+    return np.column_stack([element.numbers[name] for name in names]) if is_there else None
 
 
 def _uvs(vertices: Element) -> Float | None:

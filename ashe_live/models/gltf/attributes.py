@@ -78,14 +78,14 @@ class Attributes:
     def shape(self, has_joints: bool) -> Shape:
         """Places and normals, and what moves them."""
         targets = self._primitive.get("targets", [])
-        added = ([self._added(target, name) for target in targets] for name in ("POSITION", "NORMAL"))
+        added = (
+            [self._arrays.floats(target[name]) if name in target else None for target in targets]
+            for name in ("POSITION", "NORMAL")
+        )
         influences = tuple(self._influences()) if has_joints else ()
         places = self.floats("POSITION")
         normals = self.floats("NORMAL") if "NORMAL" in self else None
         return Shape(places, normals, tuple(zip(*added, strict=True)), influences)
-
-    def _added(self, target: dict[str, int], name: str) -> Float | None:
-        return self._arrays.floats(target[name]) if name in target else None
 
     def _influences(self) -> list[tuple[NDArray[np.int64], Float]]:
         """The joints of each vertex (n, 4) and their weights (n, 4), set by set."""

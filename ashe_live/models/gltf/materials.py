@@ -56,14 +56,9 @@ class GltfMaterials:
             surface = self._specular_glossiness(extensions[SPECULAR_GLOSSINESS], maps, covers)
         else:
             surface = self._metallic_roughness(given.get("pbrMetallicRoughness", {}), maps, covers)
-        normal, occlusion = given.get("normalTexture", {}), given.get("occlusionTexture", {})
+        for kind in ("normal", "occlusion", "emissive"):
+            self._add(maps, f"{kind}_map", given, f"{kind}Texture")
         strength = extensions.get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1.0)
-        for name, key, texture in (
-            ("normal_map", "normalTexture", normal),
-            ("occlusion_map", "occlusionTexture", occlusion),
-            ("emissive_map", "emissiveTexture", given.get("emissiveTexture", {})),
-        ):
-            self._add(maps, name, key, texture)
         is_lost = "emissiveTexture" in given and "emissive_map" not in maps.texels | maps.unplaced
         emissive = tuple(strength * value for value in given.get("emissiveFactor", BLACK))
         # Without its map all of the surface would glow.
@@ -77,8 +72,8 @@ class GltfMaterials:
         if maps.has_third_set:
             self._notes.add("maps that are laid out by a third set of texture coordinates are left out")
         material = Material(
-            normal_scale=normal.get("scale", 1.0),
-            occlusion_strength=occlusion.get("strength", 1.0),
+            normal_scale=given.get("normalTexture", {}).get("scale", 1.0),
+            occlusion_strength=given.get("occlusionTexture", {}).get("strength", 1.0),
             alpha_cutoff=given.get("alphaCutoff", 0.5),
             double_sided=given.get("doubleSided", False),
             layouts=maps.layouts,
@@ -88,8 +83,8 @@ class GltfMaterials:
         return material, tuple(maps.sets)
 
     def _metallic_roughness(self, given: Json, maps: Maps, covers: bool) -> dict[str, Any]:
-        self._add(maps, "base_map", "baseColorTexture", given.get("baseColorTexture", {}), covers)
-        self._add(maps, "metallic_roughness_map", "metallicRoughnessTexture", given.get("metallicRoughnessTexture", {}))
+        self._add(maps, "base_map", given, "baseColorTexture", covers)
+        self._add(maps, "metallic_roughness_map", given, "metallicRoughnessTexture")
         # Without its map all of the surface would be metal.
         is_lost = "metallicRoughnessTexture" in given and "metallic_roughness_map" not in maps.texels | maps.unplaced
         return {
@@ -150,8 +145,9 @@ class GltfMaterials:
         red, green, blue, opacity = surface["base_colour"]
         return {"base_colour": (red, green, blue, (1.0 if is_opaque else opacity) * (1 - share)), "alpha": Alpha.BLEND}
 
-    def _add(self, maps: Maps, name: str, key: str, texture: Json, covers: bool = False) -> None:
-        if not texture:
+    def _add(self, maps: Maps, name: str, given: Json, key: str, covers: bool = False) -> None:
+        """Adds the map of a material's texture, if `given` has one by that key."""
+        if not (texture := given.get(key)):
             return
         layout = self._layout(texture)
         if maps.takes(layout) and (texels := self._texels(texture, key, covers)) is not None:

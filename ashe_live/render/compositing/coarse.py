@@ -12,10 +12,10 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Size
+from ashe_live.render.gl.canvas import Canvas
 from ashe_live.render.gl.framing import Rectangle, corner_pixels, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
-from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.passes.surface import Surface
 
 # px²: the mean of 2 x 2 pixels has 1/4; interpolated a quarter of the way between two of them it gets 3/4 more.
@@ -42,24 +42,14 @@ class CoarseBlur(NamedTuple):
         return 2 * self.taps + 3
 
 
-class _Target(NamedTuple):
-    light: moderngl.Texture
-    gone: moderngl.Texture
-    framebuffer: moderngl.Framebuffer
-
-    def bind(self, names: tuple[str, str]) -> None:
-        for texture, name in zip((self.light, self.gone), names, strict=True):
-            texture.use(UNIT_OF[name])
-
-
 class CoarseLayers:
     """A surface's layers, blurred at half the resolution; read by programs as `coarse_light` and `coarse_gone`."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
-        self._ctx = ctx
         self._programs = programs
-        self._targets: tuple[_Target, _Target] | None = None
-        self._rectangles = WholeRectangle(ctx), WholeRectangle(ctx)
+        # What is finished, and what is blurred in rows alone.
+        self._layers, self._in_rows = (Canvas(ctx, 4, "f2", count=2) for _ in range(2))
+        self._rectangle = WholeRectangle(ctx)
 
     def draw(self, surface: Surface, region: Rectangle, viewport: Rectangle, blur: CoarseBlur, spread: int) -> None:
         """Blurs `surface`'s layers where they are looked up in `region`, beside which they must be empty.
@@ -70,53 +60,30 @@ class CoarseLayers:
         """
         width, height = surface.size
         size = (width + 1) // 2, (height + 1) // 2
-        first, second = self._targets_of(size)
         wanted = _halved(grown(region, 2, surface.size))
         in_rows = _above_and_below(wanted, blur.taps, size)
-        rectangle_of_halves, rectangle_of_blurs = self._rectangles
         surface.bind_layers()
         halving = self._programs.get("compositing/halved")
         set_uniforms(halving, **corner_pixels(viewport))
-        self._draw_into(first, grown(wanted, blur.taps, size), rectangle_of_halves, halving)
+        self._draw_into(self._layers, size, grown(wanted, blur.taps, size), halving)
         program = self._programs.get("compositing/coarse", taps=blur.taps, spread=min(spread, blur.taps))
         set_uniforms(program, weights=line_weights(*blur))
-        for target, within, along in ((second, in_rows, (1, 0)), (first, wanted, (0, 1))):
+        for target, within, along in ((self._in_rows, in_rows, (1, 0)), (self._layers, wanted, (0, 1))):
             set_uniforms(program, along=along)
-            self._draw_into(target, within, rectangle_of_blurs, program)
+            self._draw_into(target, size, within, program)
 
     def bind(self) -> None:
-        if self._targets is not None:
-            self._targets[0].bind(("coarse_light", "coarse_gone"))
+        self._layers.bind("coarse_light", "coarse_gone")
 
     def release(self) -> None:
-        self._release_targets()
-        for rectangle in self._rectangles:
-            rectangle.release()
+        for held in (self._layers, self._in_rows, self._rectangle):
+            held.release()
 
-    def _draw_into(
-        self, target: _Target, within: Rectangle, rectangle: WholeRectangle, program: moderngl.Program
-    ) -> None:
-        target.framebuffer.scissor = within
-        rectangle.fill(target.framebuffer, program)
-        target.bind(("added_light", "removed"))
-
-    def _targets_of(self, size: Size) -> tuple[_Target, _Target]:
-        if self._targets is None or self._targets[0].light.size != size:
-            self._release_targets()
-            self._targets = self._new_target(size), self._new_target(size)
-        return self._targets
-
-    def _new_target(self, size: Size) -> _Target:
-        light, gone = (self._ctx.texture(size, 4, dtype="f2") for _ in range(2))
-        for texture in (light, gone):
-            texture.repeat_x = texture.repeat_y = False
-        return _Target(light, gone, self._ctx.framebuffer([light, gone]))
-
-    def _release_targets(self) -> None:
-        for target in self._targets or ():
-            for held in (target.framebuffer, target.light, target.gone):
-                held.release()
-        self._targets = None
+    def _draw_into(self, target: Canvas, size: Size, within: Rectangle, program: moderngl.Program) -> None:
+        framebuffer = target.of_size(size)
+        framebuffer.scissor = within
+        self._rectangle.fill(framebuffer, program)
+        target.bind("added_light", "removed")
 
 
 def _halved(rectangle: Rectangle) -> Rectangle:

@@ -95,7 +95,7 @@ class Composite:
         self._programs = programs
         self._coarse = CoarseLayers(ctx, programs)
         self._means = GroundMeans(ctx, programs)
-        self._rectangles = tuple(WholeRectangle(ctx) for _ in range(4))
+        self._rectangle = WholeRectangle(ctx)
 
     def draw(self, surface: Surface, region: Rectangle, onto: Footage, is_cut_out: bool = False) -> None:
         """Onto the video in `surface.colour`, within `region` and its blur's reach.
@@ -125,23 +125,22 @@ class Composite:
             relief = {"means": means, "contrast_left": contrast, "most_relief": most, "sky_share": sky}
         if onto.is_split:
             within = _right_of(viewport[0] + viewport[2] // 2, within)
-        every, at_outline = self._rectangles[:2], self._rectangles[2:]
-        passes = [(choosing, program, every, within)]
+        passes = [(choosing, program, within)]
         if onto.outline is not None:
             around = within if bends else common(within, onto.outline.around)
             at_object = self._composing(onto, is_cut_out, at_object=True)
             choosing = self._programs.get("compositing/at_outline", bends=bends)
             onto.outline.bind(choosing, at_object)
             set_uniforms(choosing, **where)
-            passes.append((choosing, at_object, at_outline, around))
-        for choosing, program, (chosen, composed), within in passes:
+            passes.append((choosing, at_object, around))
+        for choosing, program, within in passes:
             set_uniforms(program, **where, **onto.uniforms, **relief, seed=frame.index)
             if onto.cover is not None:
                 onto.cover.bind(program)
             with surface.chosen.choosing(surface.choice, within):
-                chosen.draw(choosing)
+                self._rectangle.draw(choosing)
             with surface.chosen.restricted(surface.chosen_colour, within):
-                composed.draw(program)
+                self._rectangle.draw(program)
         surface.colour.use()
 
     def _composing(self, onto: Footage, is_cut_out: bool, at_object: bool = False) -> moderngl.Program:
@@ -166,10 +165,8 @@ class Composite:
         )
 
     def release(self) -> None:
-        self._coarse.release()
-        self._means.release()
-        for rectangle in self._rectangles:
-            rectangle.release()
+        for held in (self._coarse, self._means, self._rectangle):
+            held.release()
 
 
 def _right_of(column: int, rectangle: Rectangle) -> Rectangle:

@@ -10,7 +10,6 @@ from ashe_live.render.gl.canvas import Canvas
 from ashe_live.render.gl.framing import Rectangle, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
-from ashe_live.render.gl.texture_units import UNIT_OF
 
 SPLINE_REACH = 2  # texels to either side of a place that count there
 
@@ -29,7 +28,7 @@ class GroundMeans:
         """
         left, bottom, width, height = viewport
         means = float(MEANS_ACROSS), MEANS_ACROSS * height / width
-        texture, framebuffer = self._canvas.of_size((MEANS_ACROSS, math.ceil(means[1])))
+        framebuffer = self._canvas.of_size((MEANS_ACROSS, math.ceil(means[1])))
         program = self._programs.get("compositing/ground_mean", covers=cover is not None, bends=bends)
         set_uniforms(program, viewport=tuple(map(float, viewport)), means=means)
         if cover is not None:
@@ -38,9 +37,9 @@ class GroundMeans:
         lower = math.floor((within[0] - left) * per_px), math.floor((within[1] - bottom) * per_px)
         upper = math.ceil((within[0] + within[2] - left) * per_px), math.ceil((within[1] + within[3] - bottom) * per_px)
         used = (*lower, upper[0] - lower[0], upper[1] - lower[1])
-        framebuffer.scissor = grown(used, SPLINE_REACH, texture.size)
+        framebuffer.scissor = grown(used, SPLINE_REACH, framebuffer.size)
         self._rectangle.fill(framebuffer, program)
-        texture.use(UNIT_OF["ground_mean"])
+        self._canvas.bind("ground_mean")
         return means
 
     def release(self) -> None:

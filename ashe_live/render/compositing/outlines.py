@@ -20,7 +20,7 @@ class OutlineSmoothing:
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx
         self._programs = programs
-        self._rectangles = WholeRectangle(ctx), WholeRectangle(ctx), WholeRectangle(ctx)
+        self._rectangle = WholeRectangle(ctx)
         self._surface: Surface | None = None  # the one that the rest is for
         self._found: _Found | None = None
 
@@ -30,24 +30,22 @@ class OutlineSmoothing:
         Leaves another framebuffer bound.
         """
         found = self._found_of(surface)
-        finding, smoothing, putting_back = self._rectangles
         surface.bind_layers()
         find, smooth = self._programs.get("compositing/outlines", find=1), self._programs.get("compositing/outlines")
         for program in (find, smooth):
             set_uniforms(program, **corner_pixels(viewport))
         with surface.chosen.choosing(found.step_framebuffer, grown(region, 2, surface.size)):
-            finding.draw(find)
+            self._rectangle.draw(find)
         found.steps.use(UNIT_OF["outline_steps"])
         with surface.chosen.restricted(found.framebuffer, region):
-            smoothing.draw(smooth)
+            self._rectangle.draw(smooth)
         for texture, name in zip(found.layers, ("added_light", "removed"), strict=True):
             texture.use(UNIT_OF[name])
         with surface.chosen.restricted(surface.chosen_layers, region):
-            putting_back.draw(self._programs.get("compositing/outlines", put_back=1))
+            self._rectangle.draw(self._programs.get("compositing/outlines", put_back=1))
 
     def release(self) -> None:
-        for rectangle in self._rectangles:
-            rectangle.release()
+        self._rectangle.release()
         self._release_found()
 
     def _found_of(self, surface: Surface) -> "_Found":

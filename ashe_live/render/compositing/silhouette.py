@@ -8,6 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Size
+from ashe_live.render.gl.canvas import Canvas
 from ashe_live.render.gl.driver import clear_part
 from ashe_live.render.gl.framing import Framing, Rectangle, common, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
@@ -77,7 +78,7 @@ class Silhouette:
         self._ctx = ctx
         self._programs = programs
         self._rectangle = WholeRectangle(ctx)
-        self._targets: list[tuple[moderngl.Texture, moderngl.Framebuffer]] = []
+        self._mask, self._with_mean = Canvas(ctx, 1), Canvas(ctx, 2)
 
     def draw(
         self, real: RealObject, framing: Framing, within: Rectangle, reach: OutlineReach, size: Size
@@ -89,7 +90,7 @@ class Silhouette:
         around = common(grown(framing.region, reach.reach, size), within)
         if min(around[2:]) <= 0:
             return None
-        (mask, drawn), (with_mean, finished) = self._targets_of(size)
+        drawn, finished = self._mask.of_size(size), self._with_mean.of_size(size)
         cleared = grown(around, reach.margin + 1, size)
         clear_part(drawn, cleared)
         # moderngl tells OpenGL of a scissor only when the framebuffer is bound after it was set.
@@ -97,30 +98,14 @@ class Silhouette:
         drawn.use()
         self._ctx.viewport = framing.viewport
         real.draw_silhouette(framing)
-        mask.use(UNIT_OF["silhouette"])
+        self._mask.bind("silhouette")
         finished.scissor = grown(around, reach.margin, size)
         self._rectangle.fill(finished, self._programs.get("compositing/silhouette"))
-        return SeenOutline(with_mean, around, reach)
+        return SeenOutline(self._with_mean.textures[0], around, reach)
 
     def release(self) -> None:
-        self._release_targets()
-        self._rectangle.release()
-
-    def _release_targets(self) -> None:
-        for texture, framebuffer in self._targets:
-            framebuffer.release()
-            texture.release()
-        self._targets = []
-
-    def _targets_of(self, size: Size) -> list[tuple[moderngl.Texture, moderngl.Framebuffer]]:
-        """Of the mask as it is drawn, and of the finished one."""
-        if not self._targets or self._targets[0][0].size != size:
-            self._release_targets()
-            for components in (1, 2):
-                texture = self._ctx.texture(size, components)
-                texture.repeat_x = texture.repeat_y = False
-                self._targets.append((texture, self._ctx.framebuffer([texture])))
-        return self._targets
+        for held in (self._mask, self._with_mean, self._rectangle):
+            held.release()
 
 
 def _gaussian(at: Float, variance: float) -> Float:

@@ -10,16 +10,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ashe_live.core.arrays import same_objects
 from ashe_live.core.light import Illumination
 from ashe_live.core.square import side_lengths_px
 from ashe_live.core.transforms import lies_elsewhere, view_direction
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.cover.ground_cover import GroundCover, ground_cover
 from ashe_live.render.cover.hidden_by_body import TURNED_RAD
-from ashe_live.render.cover.lit_alike import is_other_light, is_same_scene
 
 NEARER = 1.5  # the cover is made anew once the marker appears this many times as large, as it then lacks detail
 TURNED_COS = np.cos(np.radians(30.0))  # and once the camera has turned by this, as the ground's relief looks different
+OTHER_LIGHT_COS = math.cos(math.radians(10.0))  # answers about one light are mostly nearer to each other
 LEFT_ALONE_S = 0.6  # time of the video after which the hand that has moved the sheet has let it go
 RETRIED_S = 1.0  # time of the video after which another attempt follows one that failed
 
@@ -38,14 +39,14 @@ class MadeCover:
 
     def is_in_other_light(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
         """Whether the sheet lies in another light now, which is not told from things before it."""
-        return not self.is_elsewhere(tracked) and is_other_light(illumination, self.illumination)
+        return not self.is_elsewhere(tracked) and _is_other_light(illumination, self.illumination)
 
     def serves(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
         """Whether another one made from this frame would be no better."""
         was, now = self.tracked.pose, tracked.pose
         if self.cover.is_draft or was.side_m != now.side_m:
             return False
-        if self.is_elsewhere(tracked) or not is_same_scene(illumination, self.illumination):
+        if self.is_elsewhere(tracked) or not _is_same_scene(illumination, self.illumination):
             return False
         is_nearer = side_lengths_px(now.corners_px).max() > NEARER * side_lengths_px(was.corners_px).max()
         least_cos = TURNED_COS if now.body is None else np.cos(TURNED_RAD)
@@ -79,7 +80,7 @@ class CoverMaker:
         if self._coming is None:
             return
         assert self._asked_for is not None
-        if waits and is_same_scene(illumination, self._asked_for[1]):
+        if waits and _is_same_scene(illumination, self._asked_for[1]):
             wait([self._coming])  # it is there sooner than another one would be
         if self._coming.done():
             coming, self._coming = self._coming, None
@@ -90,7 +91,7 @@ class CoverMaker:
 
         `is_touched`: something lies before the sheet that would become a part of a cover made now.
         """
-        steady = self._seen_lit_by is not None and is_same_scene(illumination, self._seen_lit_by)
+        steady = self._seen_lit_by is not None and _is_same_scene(illumination, self._seen_lit_by)
         self._seen_lit_by = illumination
         # While a light eases to another one, or the sheet is moved, each frame has one of its own.
         lies_still = abs(tracked.frame.time_s - self._moved_s) >= LEFT_ALONE_S
@@ -131,7 +132,7 @@ class CoverMaker:
             return False
         then, lit = self._failed
         is_soon = 0 <= tracked.frame.time_s - then.frame.time_s < RETRIED_S
-        return is_soon and not (is_lasting and not is_same_scene(illumination, lit))
+        return is_soon and not (is_lasting and not _is_same_scene(illumination, lit))
 
     def _is_due(self, tracked: TrackedFrame, illumination: Illumination, is_touched: bool) -> bool:
         if self.made is None:
@@ -139,3 +140,18 @@ class CoverMaker:
         if is_touched and not self.made.is_in_other_light(tracked, illumination):
             return False
         return not self.made.serves(tracked, illumination)
+
+
+def _is_same_scene(one: Illumination, other: Illumination) -> bool:
+    """Whether one cover serves both: the same light on the same things, seen in the same frame, hence of one source."""
+    if one.seen_in is not other.seen_in or one.real_object is not other.real_object:
+        return False
+    return same_objects(one.lights, other.lights)
+
+
+def _is_other_light(one: Illumination, other: Illumination) -> bool:
+    """Whether there are more or fewer lights, or one is elsewhere, by the same frame of the marker."""
+    if len(one.lights) != len(other.lights):
+        return True
+    pairs = zip(one.lights, other.lights, strict=True)
+    return any(a.to_light_marker @ b.to_light_marker < OTHER_LIGHT_COS for a, b in pairs)

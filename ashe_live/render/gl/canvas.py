@@ -1,31 +1,40 @@
-"""A texture to draw or copy into, reallocated when another size is needed."""
+"""Textures to draw or copy into, reallocated when another size is needed."""
 
 import moderngl
 
 from ashe_live.core.camera import Size
+from ashe_live.render.gl.texture_units import UNIT_OF
 
 
 class Canvas:
-    """Allocated when its size is first known and whenever that changes; keeps its content in between."""
+    """One texture or more, allocated when their size is first known and whenever that changes."""
 
-    def __init__(self, ctx: moderngl.Context, components: int = 4, dtype: str = "f1") -> None:
+    def __init__(self, ctx: moderngl.Context, components: int = 4, dtype: str = "f1", count: int = 1) -> None:
         self._ctx = ctx
+        self._count = count
         self._components = components
         self._dtype = dtype
-        self._held: tuple[moderngl.Texture, moderngl.Framebuffer] | None = None
+        self.textures: list[moderngl.Texture] = []  # which do not repeat; none before the first `of_size`
+        self._framebuffer: moderngl.Framebuffer | None = None
 
-    def of_size(self, size: Size) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
-        """The texture, which does not repeat, and the framebuffer that draws into it."""
-        if self._held is None or self._held[0].size != size:
+    def of_size(self, size: Size) -> moderngl.Framebuffer:
+        """The framebuffer that draws into all `textures`, which keep what they hold while the size stays."""
+        if self._framebuffer is None or self._framebuffer.size != size:
             self.release()
-            texture = self._ctx.texture(size, self._components, dtype=self._dtype)
-            texture.repeat_x = texture.repeat_y = False
-            self._held = texture, self._ctx.framebuffer([texture])
-        return self._held
+            self.textures = [self._ctx.texture(size, self._components, dtype=self._dtype) for _ in range(self._count)]
+            for texture in self.textures:
+                texture.repeat_x = texture.repeat_y = False
+            self._framebuffer = self._ctx.framebuffer(self.textures)
+        return self._framebuffer
+
+    def bind(self, *names: str) -> None:
+        """For programs that read the textures by these names; does nothing before the first `of_size`."""
+        for texture, name in zip(self.textures, names, strict=False):
+            texture.use(UNIT_OF[name])
 
     def release(self) -> None:
-        if self._held is not None:
-            texture, framebuffer = self._held
-            framebuffer.release()
+        if self._framebuffer is not None:
+            self._framebuffer.release()
+        for texture in self.textures:
             texture.release()
-        self._held = None
+        self.textures, self._framebuffer = [], None

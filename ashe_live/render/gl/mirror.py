@@ -5,7 +5,6 @@ import moderngl
 from ashe_live.render.gl.canvas import Canvas
 from ashe_live.render.gl.programs import build_program, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
-from ashe_live.render.gl.texture_units import UNIT_OF
 
 FROM_RIGHT_TO_LEFT = (1.0, -1.0, -1.0, 1.0)
 
@@ -21,10 +20,11 @@ class Mirror:
 
     def turn(self, picture: moderngl.Framebuffer) -> None:
         """Mirrors a framebuffer that has colours only, with one sample a pixel."""
-        texture, copy = self._copy.of_size(picture.size)
+        copy = self._copy.of_size(picture.size)
+        (texture,) = self._copy.textures
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
         self._ctx.copy_framebuffer(copy, picture)
-        texture.use(UNIT_OF["picture"])
+        self._copy.bind("picture")
         set_uniforms(self._program, rectangle=FROM_RIGHT_TO_LEFT)
         self._rectangle.fill(picture, self._program)
 

@@ -4,18 +4,17 @@ import moderngl
 
 
 class WholeRectangle:
-    """A vertex array without data, kept for the last program, as it belongs to one program."""
+    """A vertex array without data for each program that has drawn it, as one belongs to one program."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._of: tuple[moderngl.Program, moderngl.VertexArray] | None = None
+        self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
 
     def draw(self, program: moderngl.Program) -> None:
         """Draws with the program's vertex shader, which places four vertices by their number."""
-        if self._of is None or self._of[0] is not program:
-            self.release()
-            self._of = program, self._ctx.vertex_array(program, [])
-        self._of[1].render(moderngl.TRIANGLE_STRIP, vertices=4)
+        if program not in self._arrays:
+            self._arrays[program] = self._ctx.vertex_array(program, [])
+        self._arrays[program].render(moderngl.TRIANGLE_STRIP, vertices=4)
 
     def fill(self, framebuffer: moderngl.Framebuffer, program: moderngl.Program, adds: bool = False) -> None:
         """Draws into all of a framebuffer within its scissor, and leaves it bound. `adds`: to what it holds."""
@@ -27,6 +26,6 @@ class WholeRectangle:
         self.draw(program)
 
     def release(self) -> None:
-        if self._of is not None:
-            self._of[1].release()
-        self._of = None
+        for array in self._arrays.values():
+            array.release()
+        self._arrays.clear()

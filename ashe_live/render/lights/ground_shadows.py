@@ -42,8 +42,7 @@ class GroundShadows:
         self._levels = round(math.log2(self._size / COARSEST))
         self._canvas = Canvas(ctx, 1, "f4")  # a software rasteriser interpolates this twice as fast as half precision
         self._noisy = Canvas(ctx, 2, "f4")  # one tile, before its texels are averaged
-        self._texture: moderngl.Texture | None = None
-        self._rectangle, self._averaging = WholeRectangle(ctx), WholeRectangle(ctx)
+        self._rectangle = WholeRectangle(ctx)
         self._drawn = 0
         self.group_count = 1  # of the casters that its texture holds, those that are models
         self._uniforms: dict[str, Float] = {}
@@ -63,7 +62,7 @@ class GroundShadows:
         ]
         corners = tile_corners(len(boxes)) * self._size
         width, height = corners.max(axis=0) + self._size
-        self._texture, framebuffer = self._canvas.of_size((int(width), int(height)))
+        framebuffer = self._canvas.of_size((int(width), int(height)))
         casters = {"casters": len(boxes) // len(lighting.lights), "blocker_taps": self._preset.blocker_taps}
         framebuffer.clear(1.0)
         self._ctx.enable_only(moderngl.NOTHING)
@@ -82,7 +81,7 @@ class GroundShadows:
                 set_uniforms(program, marker_from_tile=ground, caster=caster, light=light)
                 self._draw_tile(program, framebuffer, (int(corner[0]), int(corner[1])), box, spares[number])
         # A wall gets light from shaded and lit ground at once.
-        self._texture.build_mipmaps(0, self._levels)
+        self._canvas.textures[0].build_mipmaps(0, self._levels)
         self._uniforms = self._places(tiles_from_marker, corners, np.array(framebuffer.size, dtype=np.float64))
         self._uniforms["light_point"] = lighting.light_points
         is_seen = [each is not None for each in seen_maps[-len(lighting.lights) :]]
@@ -129,16 +128,15 @@ class GroundShadows:
             self._ctx.viewport = there
             self._rectangle.draw(program)
             return
-        noisy, beside = self._noisy.of_size((self._size, self._size))
-        beside.use()
+        self._noisy.of_size((self._size, self._size)).use()
         self._ctx.viewport = (0, 0, self._size, self._size)
         self._rectangle.draw(program)
         averaging = self._programs.get("lights/smoothed_shadow")
         set_uniforms(averaging, corner=corner, **smoothing)
-        noisy.use(UNIT_OF["noisy_shadow"])
+        self._noisy.bind("noisy_shadow")
         onto.use()
         self._ctx.viewport = there
-        self._averaging.draw(averaging)
+        self._rectangle.draw(averaging)
 
     @property
     def content(self) -> object:
@@ -146,13 +144,11 @@ class GroundShadows:
         return self._uniforms
 
     def bind(self, program: moderngl.Program) -> None:
-        if self._texture is not None:
-            self._texture.use(UNIT_OF["ground_shadows"])
-            set_uniforms(program, **self._uniforms)
+        self._canvas.bind("ground_shadows")
+        set_uniforms(program, **self._uniforms)
 
     def release(self) -> None:
         self._rectangle.release()
-        self._averaging.release()
         self._noisy.release()
         self._canvas.release()
 

@@ -1,15 +1,20 @@
 """The irradiances of an illumination, with what the picture shows that it was seen in: white, and the open sky."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.light import Illumination
+from ashe_live.core.light import Illumination, Light
 from ashe_live.render.camera.white import light_on_print, white_of
 from ashe_live.render.lights.lighting import RGB, Lighting, lighting_of
 from ashe_live.render.lights.open_sky import open_sky
-from ashe_live.render.lights.shadow_colour import steadied
+
+# Light that a lens scatters into a shadow, linear, over the display's white: 1 % of a ground of 0.2.
+SCATTERED = 0.002
+# Standard deviation of the logarithm of a channel's ratio about the others': shadows are about as much bluer under a
+# blue sky.
+RATIO_SPREAD = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,3 +69,37 @@ def _was_seen_in_shadow(illumination: Illumination) -> bool:
         for light in illumination.lights
     ]
     return is_read == [True] and illumination.seen_in.pose.body is None
+
+
+def steadied(illumination: Illumination) -> tuple[tuple[Light, ...], Float | None]:
+    """The lights and the ambient ratio (3,), towards one for all channels where the ground shows too little.
+
+    A shadow's ratio is a property of the light, and is the same on paper and on terracotta. But in a channel in which
+    the ground is dark, shadow and lit ground differ by less than the light that a lens scatters, and their ratio is
+    noise.
+    """
+    ground, ambient = illumination.ground_rgb, illumination.ambient_rgb_ratio
+    if ground is None:
+        return illumination.lights, ambient
+    lights = tuple(
+        light
+        if light.shadow_rgb_ratio is None
+        else replace(light, shadow_rgb_ratio=steadied_ratio(light.shadow_rgb_ratio, ground))
+        for light in illumination.lights
+    )
+    return lights, None if ambient is None else steadied_ratio(ambient, ground)
+
+
+def steadied_ratio(ratio: Float, ground_rgb: Float) -> Float:
+    """(3,) the likeliest ratios, of measured ones on ground of such a linear colour in the picture.
+
+    Logarithms are normal: the measured with its variance about the true one, and that with RATIO_SPREAD about a common
+    one.
+    """
+    known = np.clip(ratio, 1e-3, 1.0)
+    logs = np.log(known)
+    variance = np.square(SCATTERED / np.maximum(ground_rgb * known, 1e-6))
+    weights = 1 / (variance + RATIO_SPREAD**2)
+    common = float((weights * logs).sum() / weights.sum())
+    share = RATIO_SPREAD**2 / (RATIO_SPREAD**2 + variance)
+    return np.asarray(np.exp(common + share * (logs - common)), np.float64)

@@ -6,7 +6,6 @@ from ashe_live.core.arrays import Float, same_objects
 from ashe_live.render.gl.canvas import Canvas
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
-from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.ground_shadows import GroundShadows
 from ashe_live.render.lights.lighting import Lighting
 from ashe_live.render.occlusion.contact import PATCH_SIZE, ContactPatch
@@ -41,13 +40,12 @@ class WallLight:
             ground_bounce=lighting.bounce,
             light_ground_share=lighting.ground_shares,
         )
-        _, framebuffer = self._canvas.of_size((PATCH_SIZE, PATCH_SIZE))
-        self._rectangle.fill(framebuffer, program)
+        self._rectangle.fill(self._canvas.of_size((PATCH_SIZE, PATCH_SIZE)), program)
 
     def bind(self) -> None:
         """For programs that read it as `walls`."""
-        texture, _ = self._canvas.of_size((PATCH_SIZE, PATCH_SIZE))
-        texture.use(UNIT_OF["walls"])
+        self._canvas.of_size((PATCH_SIZE, PATCH_SIZE))
+        self._canvas.bind("walls")
 
     def forget(self) -> None:
         """Drops the reference to the model."""

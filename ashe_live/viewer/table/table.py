@@ -12,13 +12,30 @@ from ashe_live.viewer.hands.hand import Hand, HandContext
 from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.hands.undo import Undo
 from ashe_live.viewer.table.arrangement import Arrangement
-from ashe_live.viewer.table.motion_clock import MotionClock
 from ashe_live.viewer.table.shelf import Shelf
 
 SETS_LIGHT = frozenset(
     (Command.MOVE_LIGHT, Command.LIGHT_STRENGTH, Command.LIGHT_SOFTNESS, Command.LIGHT_COLOUR, Command.LIGHT_DISTANCE)
 )
 CHANGES_MODEL = frozenset((Command.MOVE_MODEL, Command.SCALE_MODEL, Command.TURN_MODEL))
+
+
+class MotionClock:
+    """The clock of moving models, which a person can stop; its seconds are the caller's, which may be a clip's."""
+
+    def __init__(self) -> None:
+        self.is_stopped = False
+        self.time_s = 0.0  # since the motion began, without the time for which it was stopped
+        self._last_s: float | None = None
+
+    def tick(self, now_s: float) -> None:
+        """Advances to `now_s`; does nothing while it is stopped, or if the caller's clock went back."""
+        if self._last_s is not None and not self.is_stopped:
+            self.time_s += max(0.0, now_s - self._last_s)
+        self._last_s = now_s
+
+    def toggle(self) -> None:
+        self.is_stopped = not self.is_stopped
 
 
 class Table:

@@ -1,6 +1,5 @@
 """The window of `ashe-live calibrate`: the camera's picture, where the board has been, and where it should go."""
 
-from types import TracebackType
 from typing import Self
 
 import cv2
@@ -40,7 +39,7 @@ class CalibrationWindow:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self._pictures.close()
 
 

@@ -2,7 +2,6 @@
 
 import os
 from dataclasses import replace
-from types import TracebackType
 from typing import Any, Self
 
 from ashe_live.core.camera import Size
@@ -122,7 +121,7 @@ class GlfwWindow:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _monitor(self) -> Any:

@@ -1,6 +1,5 @@
 """A window for pictures with text over them, where nothing is tracked."""
 
-from types import TracebackType
 from typing import Self
 
 from ashe_live.core.arrays import Image
@@ -43,5 +42,5 @@ class PictureWindow:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()

@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.bench.cube.pictures import is_seen
 from ashe_live.bench.cube.scenes import SETS, CubeSet
-from ashe_live.bench.cube.shadow_in_view import is_seen
 from ashe_live.bench.metrics import squared_sigmas
 from ashe_live.core.arrays import Float
 from ashe_live.core.light import LightEstimate

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.light import Illumination, Light
-from ashe_live.render.lights.shadow_colour import steadied, steadied_ratio
+from ashe_live.render.lights.seen_light import steadied, steadied_ratio
 
 BLUISH = np.array((0.25, 0.32, 0.42))
 

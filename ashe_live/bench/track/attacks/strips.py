@@ -3,6 +3,7 @@
 Every view has an exactly known pose, so that a pose that is confidently wrong cannot hide behind a small residual.
 """
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -31,6 +32,8 @@ CLEAN_FRAMES, COVERED_FRAMES = 10, 5
 # Errors of degrees need no finer picture.
 RAYS = 3
 MOST_WRONG_PERCENT, LEAST_RIGHT_PERCENT = 2.0, 60.0
+RIGHT, WRONG, UNANSWERED = "right", "wrong", "unanswered"
+Verdicts = Counter[str]  # how many views were answered so
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,38 +45,18 @@ class CoveredView:
     drift_m: Float  # (3,) by which it moves from frame to frame
 
 
-@dataclass(slots=True)
-class Tally:
-    """Of covered views, how many were answered, and how."""
-
-    right: int = 0
-    wrong: int = 0
-    views: int = 0
-
-    def add(self, said: Float | MarkerPose | None, truth: Float) -> None:
-        """Counts one view's answer against its true T_cam_marker (4, 4)."""
-        self.views += 1
-        T = said.T_cam_marker if isinstance(said, MarkerPose) else said
-        if T is not None:
-            is_wrong = _is_wrong(T, truth)
-            self.wrong += is_wrong
-            self.right += not is_wrong
-
-
 def strip_figures(preset: TrackingPreset, views: int) -> Iterator[Figure]:
     """Shares of wrong and right poses for each material, without and with clean frames before."""
     for following in (False, True):
         how = "following" if following else "cold"
-        reference, ours = Tally(), Tally()
+        reference, ours = Verdicts(), Verdicts()
         for number, material in enumerate(MATERIALS):
             theirs, own = _attacked(preset, material, views, number, following)
-            yield Figure(f"{material} strip, {how}, wrong", "%", *_shares(theirs.wrong, own.wrong, views), None)
-            for whole, part in ((reference, theirs), (ours, own)):
-                whole.right, whole.wrong = whole.right + part.right, whole.wrong + part.wrong
-                whole.views += part.views
-        wrong = _shares(reference.wrong, ours.wrong, ours.views)
+            yield Figure(f"{material} strip, {how}, wrong", "%", _percent(theirs, WRONG), _percent(own, WRONG), None)
+            reference += theirs
+            ours += own
+        wrong, right = ((_percent(reference, verdict), _percent(ours, verdict)) for verdict in (WRONG, RIGHT))
         yield Figure(f"edge covered by a strip, {how}, wrong", "%", *wrong, MOST_WRONG_PERCENT)
-        right = _shares(reference.right, ours.right, ours.views)
         yield Figure(f"edge covered by a strip, {how}, right", "%", *right, None, least=LEAST_RIGHT_PERCENT)
 
 
@@ -108,9 +91,11 @@ def filmed(view: CoveredView, canvas: Float, bitmap: Image, index: int, followin
     return Frame(PrintedMarker(bitmap, SIDE_M, SMALL, flaws, RAYS).painted([T], rng, canvas), index, index / FPS), T
 
 
-def _attacked(preset: TrackingPreset, material: str, views: int, seed: int, following: bool) -> tuple[Tally, Tally]:
-    """OpenCV's tally and ours."""
-    reference, ours = Tally(), Tally()
+def _attacked(
+    preset: TrackingPreset, material: str, views: int, seed: int, following: bool
+) -> tuple[Verdicts, Verdicts]:
+    """On OpenCV's answers, and on ours."""
+    reference, ours = Verdicts(), Verdicts()
     frames = CLEAN_FRAMES + COVERED_FRAMES if following else 1
     canvas, bitmap = ground(SMALL, CLUTTER), parse_marker(SPEC).bitmap(CELLS)
     for view in covered_views(material, views, seed):
@@ -119,16 +104,20 @@ def _attacked(preset: TrackingPreset, material: str, views: int, seed: int, foll
         for index in range(frames):
             frame, truth = filmed(view, canvas, bitmap, index, following)
             said = tracker.look(frame)
-        reference.add(detector.look(frame), truth)
-        ours.add(said, truth)
+        reference[_verdict(detector.look(frame), truth)] += 1
+        ours[_verdict(said, truth)] += 1
     return reference, ours
 
 
-def _is_wrong(T: Float, truth: Float) -> bool:
+def _verdict(said: Float | MarkerPose | None, truth: Float) -> str:
+    """On what a contender says of a view with that T_cam_marker (4, 4)."""
+    T = said.T_cam_marker if isinstance(said, MarkerPose) else said
+    if T is None:
+        return UNANSWERED
     corners, true_corners = (project(SMALL, pose, square_corners(SIDE_M)) for pose in (T, truth))
     off_px = np.linalg.norm(corners - true_corners, axis=1).max()
-    return turn_deg(T, truth) > WRONG_DEG or not off_px <= WRONG_PX
+    return WRONG if turn_deg(T, truth) > WRONG_DEG or not off_px <= WRONG_PX else RIGHT
 
 
-def _shares(reference: int, ours: int, views: int) -> tuple[float, float]:
-    return 100 * reference / max(1, views), 100 * ours / max(1, views)
+def _percent(verdicts: Verdicts, verdict: str) -> float:
+    return 100 * verdicts[verdict] / max(1, verdicts.total())
