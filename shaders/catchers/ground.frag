@@ -68,7 +68,7 @@ vec3 video_at(vec2 pixel) {
 // where the two shadows meet, an outline that is off by a pixel would leave a seam that is darkened twice or not at all.
 // Farther from the outline, only what is clearly in shadow in the video counts as shadow. Where the model takes hardly any
 // light (not `matters`), an error would not be seen, and nothing is measured.
-float lit_past_outline(int light, float covered, bool matters) {
+float lit_past_outline(int light, vec3 video_here, float covered, bool matters) {
     float known = lit_on_ground(GROUPS, light, ground);
     vec2 across = dFdx(ground), along = dFdy(ground);
     float least = known, most = known, far = known;
@@ -94,7 +94,7 @@ float lit_past_outline(int light, float covered, bool matters) {
     float is_foot = smoothstep(FOOT.x, FOOT.y, dot(gradient, towards) / max(length(gradient) * length(towards), 1e-9));
     float share = dot(light_ground_share[light], LUMINANCE) * ground_falloff(light, ground);
     float level = dot(level_at(ground), LUMINANCE);
-    float seen = dot(video_at(gl_FragCoord.xy), LUMINANCE) / lit_ground;
+    float seen = dot(video_here, LUMINANCE) / lit_ground;
     float gone = clamp((level - seen) / max(share, 1e-3), 0.0, 1.0);
     float measured = mix(known, 1.0 - gone, most - least);
 #if LAMPS == 0
@@ -120,10 +120,11 @@ float lit_past_outline(int light, float covered, bool matters) {
 // The same in each channel: where it is known what the ground looks like when it is lit, by that, as a shadow's border has
 // other colours than either side.
 vec3 lit_past_real(int light, float covered, bool matters) {
-    vec3 share = vec3(lit_past_outline(light, covered, matters));
+    vec3 video_here = video_at(gl_FragCoord.xy);
+    vec3 share = vec3(lit_past_outline(light, video_here, covered, matters));
 #ifdef LIT_GROUND
     vec4 lit = texture(lit_ground, (ground - lit_bounds.xy) / (lit_bounds.zw - lit_bounds.xy));
-    vec3 seen = clamp(video_at(gl_FragCoord.xy) / max(lit.rgb, 1e-4), OVERSHOOT.x * shadow_ratio, vec3(OVERSHOOT.y));
+    vec3 seen = clamp(video_here / max(lit.rgb, 1e-4), OVERSHOOT.x * shadow_ratio, vec3(OVERSHOOT.y));
     vec3 measured = (seen - shadow_ratio) / max(1.0 - shadow_ratio, 1e-3);
     share = mix(share, measured, matters && covered == 0.0 ? lit.a : 0.0);
 #endif
