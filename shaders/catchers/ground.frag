@@ -20,6 +20,14 @@ const float NEAR_SHADOW = 1.0 / 16.0;  // share of a light that the real object 
 uniform float outline_error[LIGHTS];
 // Cosine of the angle between the light and where the ground becomes lighter, from which on a shadow's outline is its foot.
 const vec2 FOOT = vec2(0.15, 0.45);
+#ifdef LIT_GROUND
+// Ground near the border of the real object's shadow as the video shows it when it is lit; alpha: whether it is known.
+uniform sampler2D lit_ground;
+uniform vec4 lit_bounds;  // lower x, y and upper x, y of it; metres, marker frame
+uniform vec3 shadow_ratio;  // of ground in that shadow over lit ground
+// A camera's sharpening and its blur of colours make a border darker than the shadow, and brighter than lit ground, by no more.
+const vec2 OVERSHOOT = vec2(0.6, 1.6);
+#endif
 #endif
 // The fraction of the sky that the model hides, and that fraction times the x and y of the hidden part's mean direction,
 // as far as both reach in the model's own shadow. Alpha: the part of them that counts on lit ground.
@@ -60,7 +68,7 @@ vec3 video_at(vec2 pixel) {
 // where the two shadows meet, an outline that is off by a pixel would leave a seam that is darkened twice or not at all.
 // Farther from the outline, only what is clearly in shadow in the video counts as shadow. Where the model takes hardly any
 // light (not `matters`), an error would not be seen, and nothing is measured.
-float lit_past_real(int light, float covered, bool matters) {
+float lit_past_outline(int light, vec3 video_here, float covered, bool matters) {
     float known = lit_on_ground(GROUPS, light, ground);
     vec2 across = dFdx(ground), along = dFdy(ground);
     float least = known, most = known, far = known;
@@ -86,7 +94,7 @@ float lit_past_real(int light, float covered, bool matters) {
     float is_foot = smoothstep(FOOT.x, FOOT.y, dot(gradient, towards) / max(length(gradient) * length(towards), 1e-9));
     float share = dot(light_ground_share[light], LUMINANCE) * ground_falloff(light, ground);
     float level = dot(level_at(ground), LUMINANCE);
-    float seen = dot(video_at(gl_FragCoord.xy), LUMINANCE) / lit_ground;
+    float seen = dot(video_here, LUMINANCE) / lit_ground;
     float gone = clamp((level - seen) / max(share, 1e-3), 0.0, 1.0);
     float measured = mix(known, 1.0 - gone, most - least);
 #if LAMPS == 0
@@ -107,6 +115,20 @@ float lit_past_real(int light, float covered, bool matters) {
     measured = mix(measured, known, is_line);
 #endif
     return mix(measured, known, is_foot);
+}
+
+// The same in each channel: where it is known what the ground looks like when it is lit, by that, as a shadow's border has
+// other colours than either side.
+vec3 lit_past_real(int light, float covered, bool matters) {
+    vec3 video_here = video_at(gl_FragCoord.xy);
+    vec3 share = vec3(lit_past_outline(light, video_here, covered, matters));
+#ifdef LIT_GROUND
+    vec4 lit = texture(lit_ground, (ground - lit_bounds.xy) / (lit_bounds.zw - lit_bounds.xy));
+    vec3 seen = clamp(video_here / max(lit.rgb, 1e-4), OVERSHOOT.x * shadow_ratio, vec3(OVERSHOOT.y));
+    vec3 measured = (seen - shadow_ratio) / max(1.0 - shadow_ratio, 1e-3);
+    share = mix(share, measured, matters && covered == 0.0 ? lit.a : 0.0);
+#endif
+    return share;
 }
 #endif
 
@@ -148,7 +170,7 @@ void main() {
         float lit = lit_around_models(light, ground, texel_m);
 #endif
         vec3 seen = light_ground_share[light] * ground_falloff(light, ground);
-        float share = 1.0;
+        vec3 share = vec3(1.0);
 #if CASTERS > GROUPS
         share = lit_past_real(light, covered, max(hidden.x * contact_here.a, 1.0 - lit) > MATTERS);
 #endif

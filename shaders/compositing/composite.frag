@@ -169,7 +169,7 @@ void main() {
     float factor = 1.0;
 #ifdef SHADOWS_MEET
     float removable = removable_in(read(added_light, middle, 0, 0), read(removed, middle, 0, 0));
-    OfGround of_ground = OfGround(vec4(0.0), 0.0);
+    OfGround of_ground = OfGround(vec4(0.0), 0.0, 0.0);
 #ifdef WIDE
     OfGround wide_of_ground = of_ground;
 #endif
@@ -189,11 +189,14 @@ void main() {
         }
     }
     factor = factor_at(removable, of_ground);
-    gone += (factor - 1.0) * of_ground.gone.rgb;
+    vec3 own_gone = read(removed, middle, 0, 0).rgb;
+    gone += gone_at_border(own_gone, removable, factor, of_ground) - of_ground.gone.rgb;
 #ifdef WIDE
-    wide_gone += (factor_at(removable, wide_of_ground) - 1.0) * wide_of_ground.gone.rgb;
+    float wide_factor = factor_at(removable, wide_of_ground);
+    wide_gone += gone_at_border(own_gone, removable, wide_factor, wide_of_ground) - wide_of_ground.gone.rgb;
 #endif
-    coarse_removed.rgb *= mix(1.0, factor, of_ground.weight);
+    // The border of the video's colours is theirs already, however wide.
+    coarse_removed.rgb = mix(coarse_removed.rgb, gone, of_ground.weight);
 #endif
 #ifdef AT_OBJECT
     AcrossOutline across = across_outline(middle, at, linear_from_srgb(textureLod(video, at, 0.0).rgb), factor);

@@ -38,4 +38,5 @@ UNIT_OF = {
     "silhouette": 2,
     "noisy_shadow": 12,
     "seen_shadow": 13,
+    "lit_ground": 0,  # of the ground, which has no material
 }

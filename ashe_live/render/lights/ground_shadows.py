@@ -18,7 +18,7 @@ from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.lighting import Lighting
-from ashe_live.render.lights.seen_shadow_maps import SeenShadowMap, SeenShadowMaps
+from ashe_live.render.lights.seen.shadow_maps import SeenShadowMap, SeenShadowMaps
 from ashe_live.render.lights.shadow_maps import NOTHING_SEEN, LightBox, ShadowMaps, tile_corners
 
 # A penumbra wider than this share of the caster is cut off, but a narrow one's tile may be as wide as it is long.
@@ -48,6 +48,8 @@ class GroundShadows:
         self._uniforms: dict[str, Float] = {}
         # (lights,) how far the real object's shadow may end elsewhere, as a share of the picture's width.
         self.outline_errors: Float = np.zeros(0)
+        # Where a picture shows the real object's shadow in the only light.
+        self.seen_of_real: SeenShadowMap | None = None
 
     def render(self, shadows: ShadowMaps, lighting: Lighting, seen: SeenShadowMaps | None = None) -> None:
         """Filters the depth maps if these have changed. `seen`: where a picture shows the real object's shadows."""
@@ -84,6 +86,7 @@ class GroundShadows:
         self._canvas.textures[0].build_mipmaps(0, self._levels)
         self._uniforms = self._places(tiles_from_marker, corners, np.array(framebuffer.size, dtype=np.float64))
         self._uniforms["light_point"] = lighting.light_points
+        self.seen_of_real = seen_maps[-1] if len(lighting.lights) == 1 else None
         is_seen = [each is not None for each in seen_maps[-len(lighting.lights) :]]
         self.outline_errors = np.where(is_seen, 0.0, OUTLINE_ERROR)
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from ashe_live.core.light import Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
-from ashe_live.render.lights.seen_shadow import SeenShadow, seen_shadows
+from ashe_live.render.lights.seen.shadow import SeenShadow, seen_shadows
 from ashe_live.render.occlusion.drawn_body import Triangles, drawn_surface
 
 

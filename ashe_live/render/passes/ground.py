@@ -10,6 +10,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.render.cover.marker_cover import MarkerCover
 from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.cast_shadows import LEAST_DISTANCE, MAX_SHADOW_HEIGHTS, shadow_hull
 from ashe_live.render.lights.ground_shadows import GroundShadows
 from ashe_live.render.lights.lighting import Lighting, ShadingLight
@@ -82,6 +83,12 @@ class ShadowCatcher:
         constants = {**lighting.constants, "groups": groups, "casters": casters, "soft_border": soft_border}
         ground.video.bind()
         uniforms = _uniforms(inputs, ground) | {"outline_error": shadows.outline_errors}
+        seen = shadows.seen_of_real if casters > groups else None
+        if seen is not None and seen.lit_ground is not None and seen.shadow.ground is not None:
+            constants["lit_ground"] = True
+            seen.lit_ground.use(UNIT_OF["lit_ground"])
+            uniforms["lit_bounds"] = tuple(map(float, seen.shadow.ground.bounds))
+            uniforms["shadow_ratio"] = tuple(map(float, seen.shadow.ground.ratio))
         # Behind a model that is flat on the ground.
         self._ctx.polygon_offset = 1.0, 1.0
         self._ctx.enable_only(moderngl.DEPTH_TEST)

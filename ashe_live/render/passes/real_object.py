@@ -12,7 +12,7 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.render.gl.framing import Framing
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.lights.lighting import Lighting
-from ashe_live.render.lights.seen_shadow_maps import SeenShadowMaps
+from ashe_live.render.lights.seen.shadow_maps import SeenShadowMaps
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.occlusion.drawn_body_maker import ReadBody
 

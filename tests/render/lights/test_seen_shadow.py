@@ -15,8 +15,8 @@ from ashe_live.models.placement import Placement
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
 from ashe_live.render.lights.ground_shadows import OUTLINE_ERROR
-from ashe_live.render.lights.seen_shadow import seen_shadows
-from ashe_live.render.lights.seen_shadow_maps import SeenShadowMaps
+from ashe_live.render.lights.seen.shadow import seen_shadows
+from ashe_live.render.lights.seen.shadow_maps import SeenShadowMaps
 from ashe_live.render.scene import Scene
 from tests.render.in_turns import in_turns
 
