@@ -112,12 +112,24 @@ def _half_widths(
     corners = (hull - plane.bounds[:2]) / plane.texel_m - 0.5
     shares = np.linspace(0, 1, HULL_PARTS, endpoint=False)[:, None, None]
     ends = np.concatenate([corners, penumbra[:, None]], axis=1)
-    samples = (ends + shares * (np.roll(ends, -1, axis=0) - ends)).reshape(-1, 3).astype(np.float32)
-    rows, columns = np.nonzero(np.abs(from_border) < width + penumbra.max())
-    squares = [np.square(at[:, None] - samples[:, axis]) for axis, at in enumerate((columns, rows))]
-    widths = np.zeros_like(width)
-    widths[rows, columns] = width[rows, columns] + samples[(squares[0] + squares[1]).argmin(axis=1), 2]
-    return widths
+    samples = (ends + shares * (np.roll(ends, -1, axis=0) - ends)).reshape(-1, 3)
+    nearest = _of_nearest(samples, width.shape)
+    return np.where(np.abs(from_border) < width + penumbra.max(), width + nearest, 0).astype(np.float32)
+
+
+def _of_nearest(samples: Float, shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """(h, w) the value of the nearest of samples (n, 3), of x, y and a value each, in view; 0 where none is."""
+    columns, rows = np.rint(samples[:, :2]).astype(int).T
+    inside = (columns >= 0) & (columns < shape[1]) & (rows >= 0) & (rows < shape[0])
+    if not inside.any():
+        return np.zeros(shape, np.float32)
+    at = rows[inside], columns[inside]
+    elsewhere = np.ones(shape, np.uint8)
+    elsewhere[at] = 0
+    _, labels = cv2.distanceTransformWithLabels(elsewhere, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
+    values = np.zeros(labels.max() + 1, np.float32)
+    values[labels[at]] = samples[inside, 2]
+    return values[labels]
 
 
 def _filled(linear_rgb: NDArray[np.float32], where: Mask) -> NDArray[np.float32]:
