@@ -38,14 +38,14 @@ def tree(rng):
         40,
     )
     model.shell(points, faces, tint(len(points), glaze, 0.25 + 0.7 * points[:, 1] / 0.0185), 35)
-    points, faces, _ = lathe(
-        [(0, 0.0145), (0.0294, 0.0145), (0.0294, 0.0166), (0.022, 0.0184), (0.010, 0.0198), (0, 0.0205)], 40
-    )
-    model.shell(points, faces, tint(len(points), earth, rng.uniform(0.2, 0.9, len(points))), 60)
+    points, faces, tone = earth_in_tray(rng)
+    model.shell(points, faces, tint(len(points), earth, tone), 60)
     s = np.linspace(0, 1, 22)
     trunk = np.column_stack([-0.004 + 0.016 * np.sin(3.3 * s), 0.017 + 0.070 * s, 0.006 * np.sin(5.5 * s)])
     trunk_radius = 0.0062 * (1 - s) ** 0.8 + 0.0016 + 0.0045 * np.exp(-s / 0.05)
-    points, faces = tube(trunk, trunk_radius, 14)
+    # Upright at its foot, whose end would show above the earth if it leaned.
+    foot = trunk[0] - np.outer([0.007, 0.0035], [0.0, 1.0, 0.0])
+    points, faces = tube(np.vstack([foot, trunk]), np.concatenate([trunk_radius[[0, 0]], trunk_radius]), 14)
     model.shell(points, faces, tint(len(points), bark, 0.35 + 0.3 * np.sin(np.arange(len(points)) * 2.1)), 70)
     pads = [
         (1.00, (0.000, 0.0915, 0.002), 0.0190),
@@ -71,6 +71,19 @@ def tree(rng):
             points, faces = blade(at, outward, LEAF_M * rng.uniform(0.8, 1.25), rng)
             model.shell(points, faces, tint(len(points), leaf, tone), 100)
     return model, paint, 0.7
+
+
+def earth_in_tray(rng):
+    """Points and faces of a mound of crumbs, as fine in both directions, and the points' tones."""
+    reach = np.linspace(0.0294, 0.0, 22)
+    mound = [(r, 0.0205 - 0.0039 * (r / 0.0294) ** 2) for r in reach]
+    points, faces, _ = lathe([(0, 0.0145), (0.0294, 0.0145), *mound], 88)
+    keys, where = np.unique(np.round(points * 1e7), axis=0, return_inverse=True)
+    # Where rows end in one point and where they meet, points are the same, and so must be what is drawn for them.
+    where = where.ravel()
+    away, tone = rng.normal(0, 0.0005, (len(keys), 3)), rng.uniform(0.2, 0.9, len(keys))
+    inside = (points[:, 1] > 0.0167) & (np.hypot(points[:, 0], points[:, 2]) > 1e-6)
+    return points + away[where] * inside[:, None], faces, tone[where]
 
 
 def blade(at, outward, length, rng):
