@@ -207,6 +207,7 @@ def test_reopening_asks_for_the_size_it_had_and_accepts_no_other() -> None:
     with pytest.raises(UserError, match="32x24 and not 64x48"):
         source.reopen()
     assert asked == [(640, 480), (64, 48)]
+    captures[1].tick()  # its thread waits in the driver until then
     assert captures[1].released.wait(PATIENCE_S), "others may use it as it is"
 
 
