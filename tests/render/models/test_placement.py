@@ -16,7 +16,6 @@ from ashe_live.models.placement import PlacedModel, Placement, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST, QUALITIES
 from ashe_live.render.gl.offscreen import live_gl_objects
-from ashe_live.render.occlusion.contact import PATCH_SIZE
 from ashe_live.render.scene import Overlay, Scene
 from tests.render.in_turns import in_turns
 
@@ -73,7 +72,7 @@ def test_what_the_ground_throws_onto_its_walls_is_as_blurred_at_any_scale(make_r
         tracked = stage.tracked(GROUND, stage.pose(-70, 35, 0.3 * scale, target=(0, 0, 0)))
         lit = Illumination((stage.light(90, 30, (0.02,) * 3),))
         renderer.render(Scene(tracked, wall, lit, placement=Placement(scale)))
-        texture, _ = renderer._models_on_video.layers.catcher._walls[0]._canvas.of_size((PATCH_SIZE, PATCH_SIZE))
+        (texture,) = renderer._models_on_video.layers.catcher._walls[0]._canvas.textures
         on_walls.append(np.frombuffer(texture.read(), np.float32))
     assert np.abs(on_walls[0] - on_walls[1]).mean() < 0.002
 
