@@ -1,6 +1,7 @@
 """A page as a printer puts it on paper, PDF or PNG: its picture, and how long a pixel of that is."""
 
 import re
+from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import PIL.Image
 import pytest
 
 from ashe_live.core.arrays import Float, Image
+from ashe_live.errors import UserError
 
 MM_PER_INCH = 25.4
 MM_PER_POINT = MM_PER_INCH / 72  # ISO 32000-1, 8.3.2.3
@@ -46,3 +48,15 @@ def corners_mm(page: Image, mm_per_px: float) -> dict[int, Float]:
         int(number): (quad.reshape(4, 2) + 0.5) * 4 * mm_per_px
         for quad, number in zip(quads, np.ravel(ids), strict=True)
     }
+
+
+def assert_advice_holds(write: Callable[[float], object], named: str) -> None:
+    """What `write` (of a side in metres) advises of `named` sizes that fit a page is what it takes, and no more."""
+    with pytest.raises(UserError) as caught:
+        write(5.0)
+    least, most = (int(number) for number in re.findall(r"\d+", caught.value.remedy))
+    for refused_mm in (least - 1, most + 1):
+        with pytest.raises(UserError, match=f"choose {named} from {least} to {most} mm"):
+            write(refused_mm / 1000)
+    for mm in (least, most):
+        write(mm / 1000)

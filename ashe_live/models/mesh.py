@@ -100,7 +100,7 @@ class Mesh:
 
     @property
     def greatest_opacity(self) -> float:
-        """Of its places, by the picture's most opaque texel, wherever that is used; unless its material is opaque."""
+        """What no place exceeds if the material is not opaque: by the most opaque texel and the most opaque vertex."""
         opacity = self.material.base_colour[3]
         if self.material.base_map is not None:
             opacity *= float(self.material.base_map[..., 3].max()) / 255

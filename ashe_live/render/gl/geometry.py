@@ -51,7 +51,7 @@ class GpuPart:
         picture = mesh.material.base_map if mesh.material.alpha is Alpha.BLEND else None
         # Whether a blended part's picture or its vertices' colours let some places be seen through.
         self.has_clear_places = self.has_clear_vertices or (picture is not None and bool((picture[..., 3] < 255).any()))
-        self.greatest_opacity = mesh.greatest_opacity
+        self.greatest_opacity = mesh.greatest_opacity if mesh.material.alpha is Alpha.BLEND else 1.0
         self._ctx = ctx
         self._pieces: list[_Piece] = []
         self._arrays: dict[moderngl.Program, list[moderngl.VertexArray]] = {}

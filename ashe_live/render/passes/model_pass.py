@@ -122,7 +122,7 @@ class ModelPass:
         self._ctx.fbo.depth_mask = True
         self._ctx.cull_face = "back"
 
-    def _draw_faces(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs, only: "Only") -> None:
+    def _draw_faces(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs, only: Only) -> None:
         # The walls of a glass are seen through one another, and leaves through the holes in their pictures.
         eye_placed = transform_points(standing.placed_from_marker, inputs.framing.eye_marker[None])[0]
         is_sorted = only is Only.CLEAR and part.sort(eye_placed)
@@ -132,7 +132,7 @@ class ModelPass:
             self._ctx.cull_face = culled
             self._draw(part, standing, inputs, only)
 
-    def _draw(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs, only: "Only | None" = None) -> None:
+    def _draw(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs, only: Only | None = None) -> None:
         material = part.material
         program = self._bound_program(part, inputs.looked_up, only)
         set_uniforms(program, **layout_uniforms(part.mesh))
@@ -160,7 +160,7 @@ class ModelPass:
         )
         part.draw(program)
 
-    def _bound_program(self, part: GpuPart, looked_up: LookedUp, only: "Only | None") -> moderngl.Program:
+    def _bound_program(self, part: GpuPart, looked_up: LookedUp, only: Only | None) -> moderngl.Program:
         """The part's shader variant with all its textures bound: a driver may recompile for another kind of texture."""
         program = self._programs.get(
             "model/model",

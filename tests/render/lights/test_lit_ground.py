@@ -11,6 +11,7 @@ from ashe_live.core.transforms import project, raycast_to_plane
 from ashe_live.models.placement import Placement
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
+from ashe_live.render.lights.seen.lit_ground import _of_nearest
 from ashe_live.render.lights.seen.shadow import seen_shadows
 from ashe_live.render.scene import Scene
 from tests.render.in_turns import in_turns
@@ -114,3 +115,17 @@ def test_beside_a_second_light_nothing_is_said(stage, sun) -> None:
     painted = Painted(stage, "plain", sun)
     shadows = seen_shadows(BODY, painted.tracked, (sun, stage.light(80, 40, tuple(RATIO))))
     assert all(shadow.ground is None for shadow in shadows)
+
+
+def test_each_texel_has_the_penumbra_of_the_nearest_part_of_the_border() -> None:
+    """As by all distances: where two parts are as near to half a texel, either one's counts."""
+    rng = np.random.default_rng(0)
+    height, width = 40, 60
+    samples = np.column_stack([rng.integers(0, (width, height), (30, 2)), rng.uniform(1, 9, 30)]).astype(float)
+    beyond = np.array([(-5.0, 3.0, 20.0), (10.0, height + 4.0, 20.0)])
+    found = _of_nearest(np.vstack([samples, beyond]), (height, width))
+    rows, columns = np.mgrid[:height, :width]
+    away = np.hypot(columns[..., None] - samples[:, 0], rows[..., None] - samples[:, 1])
+    may_be = away <= away.min(axis=2, keepdims=True) + 0.5
+    assert (np.isclose(found[..., None], samples[:, 2], atol=1e-5) & may_be).any(axis=2).all()
+    assert not _of_nearest(beyond, (height, width)).any()

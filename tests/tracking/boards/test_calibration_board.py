@@ -1,6 +1,5 @@
 """The board: printed at true size, found again in its print, whole and in part."""
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 from ashe_live.tracking.boards.calibration_board import CalibrationBoard
 from ashe_live.tracking.families.printing import write_board_sheet
+from tests.printed_page import assert_advice_holds
 
 BOARD = CalibrationBoard()
 
@@ -79,11 +79,4 @@ def test_a_size_that_no_page_fits_is_refused(tmp_path: Path, square_m: float) ->
 @pytest.mark.parametrize("paper", ["a4", "letter"])
 def test_the_largest_squares_that_it_advises_are_the_largest_that_fit_any_page(tmp_path: Path, paper: str) -> None:
     path = tmp_path / "board.pdf"
-    with pytest.raises(UserError) as caught:
-        write_board_sheet(path, BOARD, 1.0, paper=paper)
-    least, most = (int(number) for number in re.findall(r"\d+", caught.value.remedy))
-    for refused_mm in (least - 1, most + 1):
-        with pytest.raises(UserError, match=f"choose squares from {least} to {most} mm"):
-            write_board_sheet(path, BOARD, refused_mm / 1000, paper=paper)
-    for mm in (least, most):
-        write_board_sheet(path, BOARD, mm / 1000, True, paper)
+    assert_advice_holds(lambda square_m: write_board_sheet(path, BOARD, square_m, True, paper), "squares")

@@ -59,8 +59,7 @@ def lit_ground(
 
     ratio: (3,) of ground in the shadow over lit ground. is_dark: (h, w) where the shadow lies in the plane `coarse`.
     """
-    homogeneous = np.array([*light.to_light_marker, light.inverse_distance])
-    hull = shadow_hull_of_point(points, homogeneous)
+    hull = shadow_hull_of_point(points, light.homogeneous)
     plane = PlaneInPicture.around(seen_in, hull, MARGIN, MOST_TEXELS)
     if plane is None:
         return None
@@ -105,7 +104,7 @@ def _half_widths(
     slope = slope / np.maximum(np.linalg.norm(slope, axis=2), 1e-6)[..., None]
     px = np.linalg.norm(slope[..., :1] * across + slope[..., 1:] * down, axis=2)  # of a texel across the border
     width = np.asarray(BORDER_PX / np.maximum(px, LEAST_PX), np.float32)
-    cast = cast_by_point(points, np.array([*light.to_light_marker, light.inverse_distance]))
+    cast = cast_by_point(points, light.homogeneous)
     of_corner = ((hull[:, None] - cast) ** 2).sum(axis=2).argmin(axis=1)
     reach_m = np.linalg.norm(np.column_stack([hull, np.zeros(len(hull))]) - points[of_corner], axis=1)
     penumbra = reach_m * np.tan(angular_size(light) / 2) / max(light.to_light_marker[2], LEAST_SINE) / plane.texel_m
@@ -118,7 +117,10 @@ def _half_widths(
 
 
 def _of_nearest(samples: Float, shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """(h, w) the value of the nearest of samples (n, 3), of x, y and a value each, in view; 0 where none is."""
+    """(h, w) at each texel the value of the nearest of samples (n, 3): x and y in texels, and a value.
+
+    Samples beyond the map do not count; 0 where none is within it.
+    """
     columns, rows = np.rint(samples[:, :2]).astype(int).T
     inside = (columns >= 0) & (columns < shape[1]) & (rows >= 0) & (rows < shape[0])
     if not inside.any():

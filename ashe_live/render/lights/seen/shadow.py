@@ -62,7 +62,7 @@ def seen_shadows(body: Proxy, seen_in: TrackedFrame | None, lights: tuple[Light,
         return ()
     lights = tuple(light for light in lights if light.to_light_marker[2] > 0)
     points = body.points_marker(48)
-    hulls = [shadow_hull_of_point(points, np.array([*each.to_light_marker, each.inverse_distance])) for each in lights]
+    hulls = [shadow_hull_of_point(points, each.homogeneous) for each in lights]
     found = []
     for number, light in enumerate(lights):
         ratio = measured_ratio(light)
@@ -105,9 +105,8 @@ def _seen_shadow(
     # What is told counts up to the border of what the body says.
     told = cv2.GaussianBlur(values, (0, 0), BORDER)
     share = np.round(255 * np.stack([told[..., 0], np.minimum(2 * told[..., 1], 1)], axis=2)).astype(np.uint8)
-    homogeneous = np.array([*light.to_light_marker, light.inverse_distance])
     at_border = None if others else lit_ground(points, seen_in, light, ratio, plane, dark)
-    return SeenShadow(homogeneous, plane.bounds, share, reach * plane.texel_m, at_border)
+    return SeenShadow(light.homogeneous, plane.bounds, share, reach * plane.texel_m, at_border)
 
 
 def _log_odds_of_light(linear_rgb: NDArray[np.float32], ground: Mask, ratio: Float, spread: float) -> Float:
