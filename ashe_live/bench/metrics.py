@@ -60,7 +60,7 @@ def risk_by_coverage(
     order = np.argsort(-np.asarray(confidences, dtype=np.float64), kind="stable")
     covered = np.cumsum(np.asarray(is_lit, dtype=np.float64)[order]) / max(lit, 1)
     risk = np.cumsum(~np.asarray(is_good, dtype=np.bool_)[order]) / np.arange(1, len(order) + 1)
-    return [(float(confidences[i]), float(c), float(r)) for i, c, r in zip(order, covered, risk, strict=True)]
+    return [(float(confidences[i]), float(c), float(r)) for i, c, r in zip(order.tolist(), covered, risk, strict=True)]
 
 
 def risk_at(curve: Sequence[tuple[float, float, float]], coverage: float) -> tuple[float, float] | None:

@@ -6,6 +6,7 @@ A name could mean an address or a protocol to it (`http:`, `concat:`), and some 
 import os
 import re
 from collections.abc import Iterator
+from fractions import Fraction
 from typing import Any, BinaryIO, TypeVar
 
 import av
@@ -95,6 +96,15 @@ def opened_container(file: Searched) -> InputContainer:
 def video_in(container: InputContainer) -> VideoStream | None:
     """The first stream of pictures that is not a cover, as songs have."""
     return next((each for each in container.streams.video if not each.disposition & Disposition.attached_pic), None)
+
+
+def stated_ratio(ratio: Any) -> Fraction | None:
+    """A time base, rate or aspect ratio as PyAV states it; None where it is unknown.
+
+    That is a Fraction or None up to PyAV 18. From 19 on it is FFmpeg's own kind of rational number, for which 0/1 and
+    1/0 mean unknown.
+    """
+    return Fraction(ratio.numerator, ratio.denominator) if ratio else None
 
 
 def has_decoding_times_alone(container: InputContainer, stream: VideoStream) -> bool:

@@ -8,7 +8,7 @@ from typing import BinaryIO, Self
 
 import av
 
-from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container, video_in
+from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container, stated_ratio, video_in
 
 # Rounding error of a time that was computed from a frame's; no two frames are that close.
 ROUNDING_S = 1e-6
@@ -37,7 +37,7 @@ class ClipIndex:
                 # The last packet is empty: it only ends the decoding. Some are decoded for others and never shown. None
                 # is kept, as together they are as large as the clip, or larger where it names the same bytes again.
                 shown = [(each.pts, each.is_keyframe) for each in packets if each.size and not each.is_discard]
-                time_base = stream.time_base
+                time_base = stated_ratio(stream.time_base)
         except (av.error.FFmpegError, OSError):
             return None
         keys = {time for time, is_keyframe in shown if is_keyframe}

@@ -25,6 +25,7 @@ from ashe_live.capture.container import (
     opened_container,
     stated_end_s,
     stated_length,
+    stated_ratio,
     video_in,
 )
 from ashe_live.capture.sources import refuse_too_large
@@ -90,7 +91,8 @@ class ClipPictures:
             first = next(self._videos, None)
             if first is None:
                 raise without_picture(path, has_stated_size)
-            self.size = with_square_pixels((first.width, first.height), self._stream.sample_aspect_ratio)
+            aspect = stated_ratio(self._stream.sample_aspect_ratio)
+            self.size = with_square_pixels((first.width, first.height), aspect)
             refuse_too_large(path, self.size)
         except UserError:
             self.close()
@@ -181,7 +183,7 @@ class ClipPictures:
 
     def _numbered(self, video: VideoFrame) -> Picture:
         stamp = self._stamp(video)
-        if stamp is None or self.start_pts is None or video.time_base is None:
+        if stamp is None or self.start_pts is None or not video.time_base:
             time_s = self.decoded / self.fps
         else:
             time_s = float((stamp - self.start_pts) * video.time_base)

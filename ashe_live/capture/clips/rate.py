@@ -45,7 +45,7 @@ def _fastest(stream: VideoStream) -> float:
     """
     listed = [each.timestamp for each in islice(stream.index_entries, LISTED_FRAMES) if not each.is_discard]
     frames = min(RUN_FRAMES, len(listed) - 1)
-    if frames < 1 or stream.time_base is None:
+    if frames < 1 or not stream.time_base:
         return 0.0
     times = np.sort(listed)
     run_s = float(np.quantile(times[frames:] - times[:-frames], FASTEST_SHARE) * stream.time_base)
@@ -59,7 +59,7 @@ def _measured(path: Path) -> float | None:
         try:
             with opened_container(searched) as container:
                 stream = video_in(container)
-                if stream is None or stream.time_base is None:
+                if stream is None or not stream.time_base:
                     return None
                 packets = islice(searched.following(container.demux(stream)), FIRST_FRAMES)
                 times_s = sorted({float(each.pts * stream.time_base) for each in packets if each.pts is not None})

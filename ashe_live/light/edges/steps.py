@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
@@ -145,7 +146,7 @@ def _profiles(linear_bgr: Float32, places: OutlinePoints, offsets: Float) -> tup
 
     at = along(x - sideways_px * normal_y, normal_x), along(y + sideways_px * normal_x, normal_y)
     sampled = cv2.remap(linear_bgr, *at, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    values = np.array(cv2.split(sampled)).reshape(3, PARALLEL, -1, len(offsets))
+    values = np.array(cv2.split(sampled), np.float32).reshape(3, PARALLEL, -1, len(offsets))
     return values.mean(axis=1), (values**2).mean(axis=1).sum(axis=0)
 
 
@@ -156,7 +157,7 @@ def _window_means(values: Float32, window: int) -> Float:
     return np.asarray((sums[..., window:] - sums[..., :-window]) / window)
 
 
-def _half_way(share: Float, middle: Float, reach: int) -> tuple[Float, Mask]:
+def _half_way(share: Float, middle: NDArray[np.intp], reach: int) -> tuple[Float, Mask]:
     """(n,) index, between samples, where a profile (n, s) rises through one half, nearest to `middle` (n,); and whether
     it does within `reach` samples.
     """

@@ -13,7 +13,7 @@ from ashe_live.core.camera import scaled_pixels
 from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.light.ground.lit_ground import MOST_DISTANCE, LitGround, ground_colours
 from ashe_live.light.ground.surroundings import stands_inside, surroundings_in
-from ashe_live.light.pixels.areas import closed, distance_to, grown, majority, resized, shrunk
+from ashe_live.light.pixels.areas import closed, distance_to, grown, labelled, majority, resized, shrunk
 from ashe_live.light.pixels.mixtures import Quantised, nearest_squared_distance
 from ashe_live.light.pixels.view import View, Window
 
@@ -102,7 +102,7 @@ def _groups(area: Mask, counted: Mask, fine: View) -> list[tuple[Mask, float]]:
 
     Masks are (h, w) of a coarser picture than `fine`, in which a pixel counts by its nearness to the marker.
     """
-    _, labels = cv2.connectedComponents(grown(area, APART_PX).astype(np.uint8), connectivity=8)
+    labels, _ = labelled(grown(area, APART_PX), 8)
     labels[~area] = 0
     sizes = np.bincount(labels[counted], _nearness(fine, counted), minlength=1)[1:]
     return [(labels == i + 1, float(sizes[i])) for i in np.argsort(-sizes, kind="stable") if sizes[i] > 0]

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float32, Mask
-from ashe_live.light.pixels.areas import areas_by_size, cleaned, grown
+from ashe_live.light.pixels.areas import areas_by_size, cleaned, grown, labelled
 from ashe_live.light.pixels.mixtures import Mixture, nearest_centres
 
 BLUR_PX = 1.0  # of brightness, before its slope is taken
@@ -33,8 +33,8 @@ def sheen_on(colours: Float32, squared_distance: Float32, is_ground: Mask, palet
     sheen = np.zeros_like(is_ground)
     if np.count_nonzero(bright) < LEAST_PX:
         return sheen
-    _, labels = cv2.connectedComponents((even & (lit | bright)).astype(np.uint8), connectivity=4)
-    begins = np.bincount(labels[even & lit], minlength=labels.max() + 1) > LEAST_SHARE * is_ground.size
+    labels, sizes = labelled(even & (lit | bright), 4)
+    begins = np.bincount(labels[even & lit], minlength=len(sizes)) > LEAST_SHARE * is_ground.size
     begins[0] = False
     for area in areas_by_size(cleaned(bright & begins[labels]) & is_ground, LEAST_PX):
         beside = grown(area, 2) & ~grown(area, 1) & is_ground

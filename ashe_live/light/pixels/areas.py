@@ -38,20 +38,20 @@ def thick(mask: Mask, across_px: int) -> Mask:
 
 def large_areas(mask: Mask, least_px: int) -> Mask:
     """The connected areas of `mask` with at least `least_px` pixels."""
-    labels, sizes = _labelled(mask, connectivity=8)
+    labels, sizes = labelled(mask, connectivity=8)
     return np.asarray((sizes >= max(least_px, 1)).take(labels))
 
 
 def areas_by_size(mask: Mask, least_px: int) -> list[Mask]:
     """The connected areas of `mask` with at least `least_px` pixels, largest first."""
-    labels, sizes = _labelled(mask, connectivity=4)
+    labels, sizes = labelled(mask, connectivity=4)
     order = np.argsort(-sizes, kind="stable")
     return [labels == index for index in order if sizes[index] >= least_px]
 
 
 def overlapping(mask: Mask, other: Mask, least_share: float = LEAST_OVERLAP) -> Mask:
     """The connected areas of `mask` with more than `least_share` of their pixels in `other`; all of `mask` if none."""
-    labels, sizes = _labelled(mask, connectivity=4)
+    labels, sizes = labelled(mask, connectivity=4)
     shared = np.bincount(labels[other & mask], minlength=len(sizes))
     kept = shared > least_share * sizes
     return np.asarray(kept.take(labels)) if kept.any() else mask
@@ -111,10 +111,11 @@ def window_around(mask: Mask, margin_px: int) -> tuple[slice, slice]:
     )
 
 
-def _labelled(mask: Mask, connectivity: int) -> tuple[NDArray[np.int32], NDArray[np.intp]]:
+def labelled(mask: Mask, connectivity: int) -> tuple[NDArray[np.int32], NDArray[np.intp]]:
     """(h, w) label of each pixel's connected area, 0 outside of `mask`; (n,) the areas' pixel counts, 0 for label 0."""
-    count, labels = cv2.connectedComponents(_bytes(mask), connectivity=connectivity)
-    return np.asarray(labels, dtype=np.int32), np.bincount(labels[mask], minlength=count)
+    count, found = cv2.connectedComponents(_bytes(mask), connectivity=connectivity)
+    labels = np.asarray(found, dtype=np.int32)
+    return labels, np.bincount(labels[mask], minlength=count)
 
 
 def _bytes(mask: Mask) -> NDArray[np.uint8]:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 
@@ -14,7 +16,7 @@ from ashe_live.core.arrays import Float
 class Jet:
     """Values and their exact derivatives by the q parameters of each of n candidates, in one array."""
 
-    numbers: Float  # (n, k, 1 + q), the values first
+    numbers: NDArray[Any]  # (n, k, 1 + q), real or complex, the values first
 
     def __add__(self, other: Jet) -> Jet:
         return Jet(self.numbers + other.numbers)

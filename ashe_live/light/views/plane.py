@@ -199,8 +199,8 @@ def _exposure(residual: Float32, seen: Mask) -> Float32 | None:
     slow = (bases @ field).reshape(values.shape).astype(np.float32)
     smooth = np.zeros_like(values)
     for _ in range(EXPOSURE_ROUNDS):
-        away = ((values - slow - smooth) ** 2).sum(axis=2)
-        weight = (inside / (1 + away / GLOSS_SCALE**2) ** 2)[..., None]
+        remains = ((values - slow - smooth) ** 2).sum(axis=2)
+        weight = (inside / (1 + remains / GLOSS_SCALE**2) ** 2)[..., None]
         both = np.concatenate([(values - slow) * weight, weight], axis=2)
         sums = cv2.GaussianBlur(both, (0, 0), GLOSS_SHARE * small[0])
         smooth = sums[..., :3] / (sums[..., 3:] + LEAST_WEIGHT)

@@ -37,10 +37,10 @@ def chroma_blur_px(image_bgr: Image) -> float | None:
         if sigma == 0:
             differ = (variance > LEAST_LUMA**2)[..., None] & (chroma_variance > LEAST_CHROMA**2)
     shares = np.clip(np.array(explained), 0.0, 1.0)
-    explained = differ & (shares.max(axis=0) > EXPLAINED)
-    if explained.sum() < FEWEST_PX:
+    is_explained = differ & (shares.max(axis=0) > EXPLAINED)
+    if is_explained.sum() < FEWEST_PX:
         return None
-    left = np.log(np.maximum(1 - shares[:, explained], LEAST_UNEXPLAINED)).mean(axis=1)
+    left = np.log(np.maximum(1 - shares[:, is_explained], LEAST_UNEXPLAINED)).mean(axis=1)
     best = int(left.argmin())
     if best in (0, len(TRIED_PX) - 1):
         return float(TRIED_PX[best])

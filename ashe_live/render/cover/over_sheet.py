@@ -136,7 +136,7 @@ def over_sheet(tracked: TrackedFrame, sheet: SheetAsMade, gain: Float, slope: Fl
     if np.count_nonzero(np.abs(change) > SHADED[0]) < LEAST_AREA_SIDES * TEXELS_A_SIDE**2:
         return None
     hides = _things(now, change, sheet)
-    light = _light(change @ BRIGHTNESS, hides, sheet)
+    light = _light((change @ BRIGHTNESS).astype(np.float32), hides, sheet)
     if not hides.any() and not light.any():
         return None
     # From its border inwards, as texels there are mixed with paper, which would show as a white rim.

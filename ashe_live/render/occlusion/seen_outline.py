@@ -120,8 +120,8 @@ def _profiles(image_bgr: Image, points: Float, normals: Float, reach: int) -> tu
     high = np.clip(np.ceil(at.max(axis=(0, 1, 2))).astype(int) + 1, low + 1, (width, height))
     linear = LINEAR_FROM_SRGB_8BIT.astype(np.float32)[image_bgr[low[1] : high[1], low[0] : high[0]]]
     x, y = np.moveaxis((at - low).reshape(-1, len(offsets), 2).astype(np.float32), 2, 0)
-    values = cv2.remap(linear, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    values = values.reshape(PARALLEL, len(points), len(offsets), 3).astype(np.float64)
+    sampled = cv2.remap(linear, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    values = np.asarray(sampled, np.float64).reshape(PARALLEL, len(points), len(offsets), 3)
     return values.mean(axis=0), (values**2).mean(axis=0).sum(axis=2)
 
 

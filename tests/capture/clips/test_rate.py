@@ -158,8 +158,12 @@ def test_parts_of_a_clip_that_was_cut_on_the_phone_are_not_counted_twice(
     path = phones_clip(tmp_path / "a.mp4", picture, [SHORT] * 60)
     content = bytearray(path.read_bytes())
     ticks_a_frame = 3000
-    # Duration in milliseconds, where it begins in the track's own ticks, and its speed: ISO/IEC 14496-12, 8.6.6.
-    parts = [(500, 3 * ticks_a_frame, 1 << 16), (1000, 30 * ticks_a_frame, 1 << 16)]
+    (movie_ticks_a_second,) = struct.unpack_from(">I", content, content.index(b"mvhd") + 16)
+    # Duration in the movie's ticks, where it begins in the track's own, and its speed: ISO/IEC 14496-12, 8.6.6.
+    parts = [
+        (movie_ticks_a_second // 2, 3 * ticks_a_frame, 1 << 16),
+        (movie_ticks_a_second, 30 * ticks_a_frame, 1 << 16),
+    ]
     table = b"elst" + struct.pack(">II", 0, len(parts)) + b"".join(struct.pack(">IiI", *part) for part in parts)
     at = content.index(b"edts") - 4
     before = int.from_bytes(content[at : at + 4], "big")

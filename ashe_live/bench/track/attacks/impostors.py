@@ -85,7 +85,7 @@ def _tile(rng: np.random.Generator) -> Float:
     elif kind == 4:  # a part of a chessboard
         squares = int(rng.integers(3, 8))
         cells = np.indices((squares, squares)).sum(axis=0) % 2
-        grey = cv2.resize((20 + 210 * cells).astype(np.uint8), (TILE_PX, TILE_PX), interpolation=cv2.INTER_NEAREST)
+        grey[:] = cv2.resize((20 + 210 * cells).astype(np.uint8), grey.shape, interpolation=cv2.INTER_NEAREST)
     else:  # cells in a dark frame, as of a code of nobody's
         cells = (rng.random((rng.integers(3, 7),) * 2) > 0.5) * 215 + 20
         frame = np.pad(cells, 1, constant_values=20).astype(np.uint8)

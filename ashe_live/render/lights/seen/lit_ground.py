@@ -129,7 +129,7 @@ def _of_nearest(samples: Float, shape: tuple[int, ...]) -> NDArray[np.float32]:
     elsewhere = np.ones(shape, np.uint8)
     elsewhere[at] = 0
     _, labels = cv2.distanceTransformWithLabels(elsewhere, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
-    values = np.zeros(labels.max() + 1, np.float32)
+    values = np.zeros(int(labels.max()) + 1, np.float32)
     values[labels[at]] = samples[inside, 2]
     return values[labels]
 
