@@ -1,4 +1,4 @@
-"""The lines for Blender in docs/export.md, by what Blender makes of the values that they set (tried in Blender 4.2 as well)."""
+"""The lines for Blender in docs/export.md, by what Blender makes of the values that they set (tried in 4.2 as well)."""
 
 import json
 import math
