@@ -170,7 +170,8 @@ def test_tables_are_whole(page: Path) -> None:
     text = FENCED.sub("", page.read_text(encoding="utf-8"))
     for table in re.findall(r"(?:^ {0,3}\|.*\n)+", text, re.MULTILINE):
         rows = [re.sub(r"`[^`]*`|\\\|", "", row).count("|") for row in table.splitlines()]
-        assert re.match(r".*\n *\|(:?-+:?\|)+\n", table) and len(set(rows)) == 1, f"{page.name}: {table}"
+        assert re.match(r".*\n *\|(:?-+:?\|)+\n", table), f"{page.name}: {table}"
+        assert len(set(rows)) == 1, f"{page.name}: {table}"
 
 
 def test_every_page_is_reached_from_the_readme() -> None:
