@@ -164,6 +164,16 @@ def test_links_lead_somewhere(page: Path) -> None:
         assert not anchor or anchor in anchors_of(target), f"{page.name}: {link}"
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_tables_are_whole(page: Path) -> None:
+    """A row whose header an empty line cuts off is shown as text."""
+    text = FENCED.sub("", page.read_text(encoding="utf-8"))
+    for table in re.findall(r"(?:^ {0,3}\|.*\n)+", text, re.MULTILINE):
+        rows = [re.sub(r"`[^`]*`|\\\|", "", row).count("|") for row in table.splitlines()]
+        assert re.match(r".*\n *\|(:?-+:?\|)+\n", table), f"{page.name}: {table}"
+        assert len(set(rows)) == 1, f"{page.name}: {table}"
+
+
 def test_every_page_is_reached_from_the_readme() -> None:
     reached, ahead = set(), [PAGES[0]]
     while ahead:

@@ -38,7 +38,7 @@ LEAST_BESIDE_PX = 9.0  # that are looked at beyond the edge, however small the m
 # Samples of a line by which the paper's and the ground's light are measured, the latter at least.
 PAPER_SAMPLES, LEAST_SAMPLES = 5, 6
 # Darkness beside a sheet that has no thickness, in sides: by patterns, objects and their shadows (root mean square of
-# `away` of the sets `scenes` and `scenes_more`, docs/accuracy.md).
+# `away` of the sets `scenes` and `scenes_more`, docs/accuracy/one_picture.md).
 OTHERWISE = 0.018
 INDEPENDENT = 1 / 3  # of neighbouring lines
 # Of azimuths about the direction from which a clear shadow comes (von Mises): `ashe-live bench fit-judge --sheets`.

@@ -1,4 +1,4 @@
-"""The guide's lines for Blender, by what Blender makes of the values that they set (tried in Blender 4.2 as well)."""
+"""The lines for Blender in docs/export.md, by what Blender makes of the values that they set (tried in 4.2 as well)."""
 
 import json
 import math
@@ -16,16 +16,16 @@ from ashe_live.core.transforms import direction_from_angles
 from ashe_live.render.lights.lighting import lighting_of
 from tests.checkout import CHECKOUT
 
-GUIDE = (CHECKOUT / "docs" / "guide.md").read_text(encoding="utf-8")
+PAGE = (CHECKOUT / "docs" / "export.md").read_text(encoding="utf-8")
 LIGHT, CAMERA = (
-    body for body in re.findall(r"^```text\n(.*?)^```", GUIDE, re.MULTILINE | re.DOTALL) if "bpy.data.objects" in body
+    body for body in re.findall(r"^```text\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL) if "bpy.data.objects" in body
 )
 RATIO = np.array((0.3, 0.4, 0.5))
 TOWARDS = direction_from_angles(math.radians(-130), math.radians(35))
 
 
 class Matrix(np.ndarray):
-    """As much of mathutils.Matrix as the guide makes use of."""
+    """As much of mathutils.Matrix as these lines make use of."""
 
     def __new__(cls, rows):
         return np.array(rows, np.float64).view(cls)
@@ -39,7 +39,7 @@ class Matrix(np.ndarray):
 
 
 def ran(lines: str, known: dict, folder, monkeypatch) -> dict:
-    """The names that the guide's lines leave, with a Blender that keeps what is set."""
+    """The names that the lines leave, with a Blender that keeps what is set."""
     monkeypatch.chdir(folder)
     (folder / "ashe-live-DATE.json").write_text(json.dumps(known))
     bpy = MagicMock()
@@ -47,7 +47,7 @@ def ran(lines: str, known: dict, folder, monkeypatch) -> dict:
     bpy.data.cameras.new = lambda _: SimpleNamespace(sensor_width=36.0)
     bpy.data.objects.new = lambda _, data: SimpleNamespace(data=data)
     names = {"bpy": bpy, "math": math, "json": json, "mathutils": SimpleNamespace(Matrix=Matrix), "known": known}
-    exec(lines, names)  # of our own guide
+    exec(lines, names)  # of our own page
     return names
 
 

@@ -48,7 +48,7 @@ class Judge:
 
     @property
     def least_confidence(self) -> float:
-        """The confidence below which no answer is given, read from the risk-coverage curve (docs/accuracy.md)."""
+        """The confidence below which no answer is given, read from the risk-coverage curve (docs/accuracy)."""
         return self.tables.least_confidence
 
     @property
