@@ -3,6 +3,7 @@
 import itertools
 import json
 import threading
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from ashe_live.bench.resources_held import growth, left_running
 from ashe_live.bench.soak import bench as soak
 from ashe_live.bench.soak import run as soak_run
 from ashe_live.bench.soak.bench import SoakBench
+from ashe_live.bench.soak.offscreen_window import ShownPicture
 from ashe_live.bench.soak.run import drift_json
 from ashe_live.bench.soak.time_code import BITS, TimeCodeCamera, paint_number, read_number
 from ashe_live.capture.clips.known_clip import KnownClip
@@ -19,6 +21,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.light import Illumination, LightEstimate
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.quality import FAST
+from ashe_live.viewer.hands.requests import Command
 
 FRAMES = 12
 SAMPLED_AT = list(range(500, 100_001, 500))
@@ -68,6 +71,42 @@ def test_interrupted_it_reports_the_frames_so_far(clip, monkeypatch):
     record = SoakBench(clip, FAST, BlindEstimator, FRAMES).run()
     assert (record["frames"], record["soak"]["frames"]) == (FRAMES, 10)
     assert record["soak"]["left_running"] == []
+
+
+def test_each_tracked_frame_counts_once_with_its_own_times_and_the_keys_come_in_their_turn(monkeypatch):
+    """Of 60 frames, each on the screen twice, those of the last tenth took twice as long to draw and to track."""
+    monkeypatch.setattr(soak_run, "SWITCH_EVERY", 3)
+    monkeypatch.setattr(soak_run, "ESTIMATE_EVERY", 20)
+    monkeypatch.setattr(soak_run, "model_names", lambda: ("cube", "mug"))
+    held = itertools.count(1)
+    monkeypatch.setattr(resources_held, "held_now", lambda: {"rss_mib": float(next(held))})
+    window, watch = SimpleNamespace(requests=[]), SimpleNamespace(key_views=SimpleNamespace(nbytes=0))
+    session = SimpleNamespace(tracked=None, estimate=None, watch=watch)
+    tracker = SimpleNamespace(at_rest=threading.Lock(), last_ms=(0.0, 0.0))
+    run = soak_run.SoakRun(window, session, tracker, 60)
+    run.add(ShownPicture(0.0, 9.0, 9.0))  # before there is a frame
+    for index in range(60):
+        times = 2 if index >= 54 else 1
+        session.tracked, tracker.last_ms = object(), (4.0 * times, 3.0 * times)
+        watch.key_views.nbytes = 2**20 * (8 if index == 30 else 1)
+        if index in (20, 41):
+            session.estimate = object()
+        for drawn_s in (0.010 * times, 9.0):
+            run.add(ShownPicture(100.0, 100.0 + drawn_s, 0.5 * drawn_s))
+    found = run.to_json()
+    assert (found["frames"], found["model_switches"], found["estimates"], found["key_views_mib"]) == (60, 20, 2, 8)
+    keys = [request.command for request in window.requests]
+    assert (keys.count(Command.NEXT_MODEL), keys.count(Command.ESTIMATE)) == (20, 3)
+    ms = found["drift"]["median_ms"]
+    expected = {"drawn": 10.0, "drawn, processor": 5.0, "tracked": 4.0, "tracked, processor": 3.0}
+    assert {name: part["first_tenth"] for name, part in ms.items()} == pytest.approx(expected)
+    doubled = {name: 2 * once for name, once in expected.items()}
+    assert {name: part["last_tenth"] for name, part in ms.items()} == pytest.approx(doubled)
+    assert found["drift"]["is_steady"] is False
+    assert found["held"]["frames"] == list(range(1, 61))
+    # A MiB with each frame is a leak, looked for once every model was loaded twice.
+    memory = found["held"]["rss_mib"]
+    assert (memory["first"], memory["last"], memory["per_1000_frames"], memory["is_flat"]) == (12, 60, 1000, False)
 
 
 @pytest.mark.parametrize("number", [0, 1, 0b1010101010101010, 2**BITS - 1, 2**BITS + 5])
