@@ -28,7 +28,11 @@ class FakeClock:
     def install(self, monkeypatch: pytest.MonkeyPatch, *modules: str) -> None:
         """In place of `time` in these modules."""
         stand_in = SimpleNamespace(
-            perf_counter=self.wall_s, process_time=self.cpu_s, thread_time=self.cpu_s, sleep=self.sleep
+            perf_counter=self.wall_s,
+            monotonic=self.wall_s,
+            process_time=self.cpu_s,
+            thread_time=self.cpu_s,
+            sleep=self.sleep,
         )
         for module in modules:
             monkeypatch.setattr(f"{module}.time", stand_in)

@@ -14,14 +14,17 @@ from ashe_live.bench.soak import bench as soak
 from ashe_live.bench.soak import run as soak_run
 from ashe_live.bench.soak.bench import SoakBench
 from ashe_live.bench.soak.offscreen_window import ShownPicture
-from ashe_live.bench.soak.run import drift_json
+from ashe_live.bench.soak.run import SoakTracker, drift_json
 from ashe_live.bench.soak.time_code import BITS, TimeCodeCamera, paint_number, read_number
 from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.core.camera import Camera
 from ashe_live.core.light import Illumination, LightEstimate
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.quality import FAST
+from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.hands.requests import Command
+from tests.bench.fake_clock import FakeClock
 
 FRAMES = 12
 SAMPLED_AT = list(range(500, 100_001, 500))
@@ -78,7 +81,8 @@ def test_each_tracked_frame_counts_once_with_its_own_times_and_the_keys_come_in_
     monkeypatch.setattr(soak_run, "SWITCH_EVERY", 3)
     monkeypatch.setattr(soak_run, "ESTIMATE_EVERY", 20)
     monkeypatch.setattr(soak_run, "model_names", lambda: ("cube", "mug"))
-    held = itertools.count(1)
+    clock, held = FakeClock(), itertools.count(1)
+    clock.install(monkeypatch, soak_run.__name__)
     monkeypatch.setattr(resources_held, "held_now", lambda: {"rss_mib": float(next(held))})
     window, watch = SimpleNamespace(requests=[]), SimpleNamespace(key_views=SimpleNamespace(nbytes=0))
     session = SimpleNamespace(tracked=None, estimate=None, watch=watch)
@@ -91,9 +95,11 @@ def test_each_tracked_frame_counts_once_with_its_own_times_and_the_keys_come_in_
         watch.key_views.nbytes = 2**20 * (8 if index == 30 else 1)
         if index in (20, 41):
             session.estimate = object()
+        clock.work(50)
         for drawn_s in (0.010 * times, 9.0):
             run.add(ShownPicture(100.0, 100.0 + drawn_s, 0.5 * drawn_s))
     found = run.to_json()
+    assert found["seconds"] == pytest.approx(60 * 0.05)
     assert (found["frames"], found["model_switches"], found["estimates"], found["key_views_mib"]) == (60, 20, 2, 8)
     keys = [request.command for request in window.requests]
     assert (keys.count(Command.NEXT_MODEL), keys.count(Command.ESTIMATE)) == (20, 3)
@@ -107,6 +113,24 @@ def test_each_tracked_frame_counts_once_with_its_own_times_and_the_keys_come_in_
     # A MiB with each frame is a leak, looked for once every model was loaded twice.
     memory = found["held"]["rss_mib"]
     assert (memory["first"], memory["last"], memory["per_1000_frames"], memory["is_flat"]) == (12, 60, 1000, False)
+
+
+def test_the_tracker_times_itself_and_cannot_be_at_work_while_memory_is_looked_at(clip, monkeypatch):
+    clock, given, tracked = FakeClock(), object(), object()
+    clock.install(monkeypatch, soak_run.__name__)
+    tracker = SoakTracker(parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, FAST.tracking)
+    assert tracker.last_ms == (0, 0)
+
+    def track(_, frame):
+        assert frame is given
+        assert tracker.at_rest.locked()
+        clock.work(30)  # half of it on the processor
+        return tracked
+
+    monkeypatch.setattr(MarkerTracker, "track", track)
+    assert tracker.track(given) is tracked
+    assert tracker.last_ms == pytest.approx((30, 15))
+    assert not tracker.at_rest.locked()
 
 
 @pytest.mark.parametrize("number", [0, 1, 0b1010101010101010, 2**BITS - 1, 2**BITS + 5])
@@ -163,6 +187,7 @@ def test_too_few_samples_give_no_verdict():
 )
 def test_slow_by_its_own_doing_is_slow_by_the_clock_and_on_the_processor(last, is_steady):
     times_ms = np.full((1000, 4), 5.0) * np.linspace(np.ones(4), last, 1000)
+    times_ms[[150, 950]] = (1.0, 1.0, 1.0, 1.0), (1e4, 1e4, 1e4, 1e4)  # a few pictures are no drift
     found = drift_json(times_ms, round_frames=100)
     assert found["is_steady"] is is_steady
     assert drift_json(times_ms, round_frames=101) is None
