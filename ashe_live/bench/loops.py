@@ -85,7 +85,6 @@ def time_blit(
 
 def _next_frame(source: Source, tracker: MarkerTracker, times: StageTimes) -> Frame:
     """The next frame of the clip, which is repeated as needed; rewinding is not timed."""
-    times.start()
     frame = source.read()
     if frame is None:
         source.rewind()

@@ -150,5 +150,7 @@ def test_key_views_cost_what_choosing_them_takes_and_their_memory_at_its_most(
             self.nbytes = 0
 
     monkeypatch.setattr(key_view_times, "KeyViews", Views)
-    times = key_view_times.time_key_views(Clip(clock), Tracker(clock), 2 * CLIP_FRAMES + 2)
+    tracker = Tracker(clock)
+    times = key_view_times.time_key_views(Clip(clock), tracker, 2 * CLIP_FRAMES + 2)
+    assert tracker.resets == 3, "at first, and with each new beginning of the clip"
     assert times == replace(times, add_ms=pytest.approx([1.0] * (2 * CLIP_FRAMES + 2)), mib=CLIP_FRAMES)

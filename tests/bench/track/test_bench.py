@@ -11,7 +11,14 @@ import pytest
 from ashe_live.bench.track.clips import follow_clips, jitter_in_motion_px, largest_turn_deg
 from ashe_live.bench.track.contenders import Answer, OpencvReference, Ours, answers, found_share
 from ashe_live.bench.track.frames import Flaws, PrintedMarker
-from ashe_live.bench.track.measures import corner_jitter_px, flipped_share, lag_ms, lasting_flips, rotation_errors_deg
+from ashe_live.bench.track.measures import (
+    corner_jitter_px,
+    flipped_share,
+    lag_ms,
+    lasting_flips,
+    normalised_error_squared,
+    rotation_errors_deg,
+)
 from ashe_live.bench.track.tables import Figure
 from ashe_live.bench.track.takes import FPS, SIDE_M, SMALL, pose_at, scattered, sliding
 from ashe_live.core.arrays import Float
@@ -79,6 +86,37 @@ def test_jitter_is_the_distance_from_the_mean() -> None:
     moved[0][0, 3] += 0.5 / SMALL.K[0, 0] * 0.5
     moved[1][0, 3] -= 0.5 / SMALL.K[0, 0] * 0.5
     assert corner_jitter_px([answer(truth, T) for T in moved], SMALL) == pytest.approx(0.5, rel=1e-3)
+
+
+def test_errors_drawn_from_the_covariance_of_the_noise_are_calibrated_whatever_the_filter_and_other_errors_are() -> (
+    None
+):
+    rng, truth = np.random.default_rng(4), pose_at(0.5, 40, 70)
+    mix = rng.normal(size=(6, 6)) * np.repeat((3e-3, 2e-4), 3)[:, None]
+    noise = mix @ mix.T
+
+    def drawn(stated: Float) -> Answer:
+        turn, aside = np.split(rng.multivariate_normal(np.zeros(6), noise), 2)
+        measured = rigid(cv2.Rodrigues(turn)[0] @ truth[:3, :3], truth[:3, 3] + aside)
+        pose = MarkerPose(truth, np.zeros((4, 2)), SIDE_M, 0.0, None, 9 * noise, stated, measured)
+        return Answer(truth, truth, 1.0, 1.0, pose)
+
+    unstated = Answer(truth, truth, 1.0, 1.0, MarkerPose(truth, np.zeros((4, 2)), SIDE_M, 0.0, None))
+    nothing = answer(truth, None)
+    for scale in (1.0, 4.0):
+        given = [*(drawn(noise / scale) for _ in range(2000)), unstated, nothing]
+        assert normalised_error_squared(given) == pytest.approx(scale, rel=0.06)
+
+
+def test_jitter_without_the_filter_is_that_of_the_poses_as_measured() -> None:
+    truth = pose_at(0.5, 0, 0)
+    given = []
+    for aside_m in (-1e-3, 1e-3):
+        measured = rigid(truth[:3, :3], truth[:3, 3] + (aside_m, 0, 0))
+        pose = MarkerPose(truth, np.zeros((4, 2)), SIDE_M, 0.0, None, unfiltered_T_cam_marker=measured)
+        given.append(Answer(truth, truth, 1.0, 1.0, pose))
+    assert corner_jitter_px(given, SMALL) == pytest.approx(0, abs=1e-9)
+    assert corner_jitter_px(given, SMALL, unfiltered=True) == pytest.approx(1e-3 * SMALL.K[0, 0] / 0.5)
 
 
 def test_flips_last_or_do_not() -> None:
