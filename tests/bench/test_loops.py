@@ -136,12 +136,15 @@ def test_rounds_of_paced_times_are_one_list() -> None:
 def test_key_views_cost_what_choosing_them_takes_and_their_memory_at_its_most(
     clock: FakeClock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    added: list[int] = []
+
     class Views:
         """Takes 2 ms for a frame, of which 1 on the processor, and keeps a MiB of it until they are dropped."""
 
         nbytes = 0
 
-        def add(self, _: TrackedFrame) -> None:
+        def add(self, tracked: TrackedFrame) -> None:
+            added.append(tracked.frame.index)
             clock.work(2)
             self.nbytes += 2**20
 
@@ -150,7 +153,9 @@ def test_key_views_cost_what_choosing_them_takes_and_their_memory_at_its_most(
             self.nbytes = 0
 
     monkeypatch.setattr(key_view_times, "KeyViews", Views)
-    tracker = Tracker(clock)
-    times = key_view_times.time_key_views(Clip(clock), tracker, 2 * CLIP_FRAMES + 2)
+    clip, tracker = Clip(clock), Tracker(clock)
+    clip.read()  # as it was left by what was timed before
+    times = key_view_times.time_key_views(clip, tracker, 2 * CLIP_FRAMES + 2)
+    assert added == [*range(CLIP_FRAMES), *range(CLIP_FRAMES), 0, 1]
     assert tracker.resets == 3, "at first, and with each new beginning of the clip"
     assert times == replace(times, add_ms=pytest.approx([1.0] * (2 * CLIP_FRAMES + 2)), mib=CLIP_FRAMES)
