@@ -5,14 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 from ashe_live.bench.cases import Case
 from ashe_live.bench.light.lamps import LampFigures, lamp_figures, summarise_lamps
-from ashe_live.bench.light.results import case_result
-from ashe_live.bench.light.set_tables import print_places
 from ashe_live.core.camera import Camera
-from ashe_live.core.light import Illumination, Light, LightEstimate
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import MarkerPose
 
@@ -127,15 +124,3 @@ def test_summaries_count_answers_and_lamps_among_them() -> None:
     assert (summary.attempted, summary.stated) == (3, 0.5)
     assert summary.answered == pytest.approx(2 / 3)
     assert summary.within_1_sigma is None
-
-
-def test_each_category_has_a_row_where_there_are_lamps() -> None:
-    far = replace(NEAR, category="far", lamp_m=2 * LAMP_M)
-    answer = LightEstimate("e", 0, Illumination((lamp(2.0),)), None, timing_ms={"total": 1.0})
-    console = Console(width=200, record=True)
-    print_places(console, [case_result("balanced", each, answer, 1.0) for each in (NEAR, far)])
-    near_row, far_row = (line.split() for line in console.export_text().splitlines() if "balanced" in line)
-    assert {"near", "2.00", "0%"} <= set(near_row)
-    assert {"far", "1.00", "100%"} <= set(far_row)
-    print_places(console, [case_result("balanced", SUN, answer, 1.0)])
-    assert console.export_text() == ""

@@ -30,7 +30,7 @@ class Guess:
 
 @pytest.fixture
 def cases(tmp_path):
-    """A blank picture, under a light that is 45 degrees from the zenith, under none, and under one that nobody knows."""
+    """A blank picture, under a light that is 45 degrees from the zenith, under none, and under an unknown one."""
     path = tmp_path / "blank.png"
     cv2.imwrite(str(path), np.full((48, 64, 3), 128, np.uint8))
     camera = Camera.from_hfov((64, 48), 60)
