@@ -15,7 +15,7 @@ from ashe_live.bench.judge.confidence import (
     with_open_directions,
 )
 from ashe_live.bench.judge.samples import Candidate, Sample, of_one_view
-from ashe_live.bench.judge.tables import calibration_table
+from ashe_live.bench.judge.tables import calibration_table, families_table, risk_table
 from ashe_live.bench.judge.validation import (
     FOLDS,
     Judged,
@@ -78,6 +78,20 @@ def test_risk_falls_with_coverage_where_confidence_separates_right_from_wrong() 
 def test_an_answer_where_there_is_no_light_is_a_risk_and_covers_nothing() -> None:
     (confidence, covered, risk), _ = risk_curve([answer(0.9, 180.0, lights=0), answer(0.8)])
     assert (confidence, covered, risk) == (0.9, 0.0, 1.0)
+
+
+def test_an_answer_is_bad_where_it_is_sure_and_far_off() -> None:
+    assert [answer(*each).is_bad for each in ((0.51, 16.0), (0.49, 16.0), (0.51, 14.0))] == [True, False, False]
+
+
+def test_families_and_coverages_have_their_shares_of_bad_answers() -> None:
+    answers = [answer(0.9, 20.0), answer(0.8), answer(0.7), answer(0.6, 12.0), answer(0.6, 12.0, lights=0)]
+    (family,) = zip(*(column.cells for column in families_table([("ground", "wood", answers)]).columns), strict=True)
+    error = np.mean([0.9, 0.2, 0.3, 0.6, 0.6])
+    assert family == ("ground: wood", "4", "20.0 %", f"{error:.3f}"), "two answers are to one picture"
+    risks = [list(column.cells) for column in risk_table("tables", {"fast": answers}).columns]
+    assert risks[0] == [f"{percent} %" for percent in (30, 40, 50, 60, 70, 80, 90)]
+    assert risks[1] == ["50.0 % from 0.80"] * 3 + ["33.3 % from 0.70"] * 2 + ["50.0 % from 0.60"] * 2
 
 
 def test_an_answer_where_there_is_no_light_counts_against_its_confidence() -> None:

@@ -1,12 +1,10 @@
 """The printed tables: each figure is that of its heading, of the pictures of its row."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from rich.table import Table
-
 from ashe_live.bench.light.clips import ClipResult
+from ashe_live.bench.light.known_casters import print_known_casters
 from ashe_live.bench.light.lamps import LampFigures
 from ashe_live.bench.light.preset_tables import WORST, print_preset
 from ashe_live.bench.light.results import CaseResult, grouped, stage_times, summarise
@@ -19,38 +17,9 @@ from ashe_live.bench.light.set_tables import (
     print_takes,
 )
 from ashe_live.bench.light.takes import TakeResult
+from tests.bench.printed import Printed, printed
 
 Rows = dict[tuple[str, ...], dict[str, str]]
-
-
-class Printed:
-    """In the place of a console; keeps tables, row by row, and lines."""
-
-    def __init__(self, keys: int = 1) -> None:
-        self._keys = keys  # columns that name a row
-        self.tables: list[Rows] = []
-        self.titles: list[str] = []
-        self.lines: list[str] = []
-
-    def print(self, what: Any, **_: object) -> None:
-        if not isinstance(what, Table):
-            self.lines.append(what)
-            return
-        headings = [str(column.header) for column in what.columns]
-        rows = zip(*(column.cells for column in what.columns), strict=True)
-        self.titles.append(str(what.title))
-        self.tables.append(
-            {
-                row[: self._keys]: dict(zip(headings[self._keys :], row[self._keys :], strict=True))
-                for row in (tuple(map(str, row)) for row in rows)
-            }
-        )
-
-
-def printed(tables: Callable[..., None], results: Any, keys: int = 1) -> Printed:
-    console = Printed(keys)
-    tables(console, results)
-    return console
 
 
 def result(error_deg: float | None, confidence: float | None = 0.9, **others: Any) -> CaseResult:
@@ -229,6 +198,45 @@ def test_categories_with_lamps_have_their_median_and_their_largest_errors() -> N
     assert rows["fast", "clean"]["q 1/m"] == f"{(1 / 1.1 + 1 / 1.2) / 2:.2f}"
     assert printed(print_places, near).tables == [], "a single category"
     assert printed(print_places, [lamp(None, category=name) for name in "ab"]).tables == [], "suns alone"
+
+
+def test_known_casters_are_compared_on_the_same_pictures() -> None:
+    """Of three boxes and a ball; pictures of what is not known are left out, and presets are apart."""
+    kinds = {"a": "box", "b": "box", "c": "box", "d": "sphere"}
+    by = {"free": {"a": 2.0, "b": None, "c": 20.0, "d": 5.0}, "known": {"a": 1.0, "b": 3.0, "c": None, "d": 4.0}}
+    free, known = (
+        [result(error, case=case, caster=kinds[case]) for case, error in each.items()] for each in by.values()
+    )
+    free += [result(90.0, case="e", caster="mug"), result(90.0, case="a", folder="other")]
+    free += [result(8.0, case=case, preset="slow") for case in "ab"]
+    known.append(result(7.0, case="a", caster="box", preset="slow"))
+    console = Printed(keys=3)
+    print_known_casters(console, free, known)
+    (rows,) = console.tables
+    assert [key[0] for key in rows] == ["all"] * 4 + ["box"] * 4 + ["sphere"] * 4
+    assert rows["box", "fast", "any object"] == {
+        "pictures": "3",
+        "answered": "67%",
+        "median": "11.0°",
+        "of those answered both ways": "2.0°",
+        "p90": "18.2°",
+        "95 % ellipse": "50%",
+        "sure and wrong": "33%",
+    }
+    assert rows["box", "fast", "known"] == {
+        "pictures": "3",
+        "answered": "67%",
+        "median": "2.0°",
+        "of those answered both ways": "1.0°",
+        "p90": "2.8°",
+        "95 % ellipse": "100%",
+        "sure and wrong": "0%",
+    }
+    assert [rows["all", "fast", name]["of those answered both ways"] for name in ("any object", "known")] == [
+        "3.5°",
+        "2.5°",
+    ]
+    assert [rows["all", "slow", name]["pictures"] for name in ("any object", "known")] == ["2", "1"]
 
 
 def test_clips_have_a_row_each() -> None:
