@@ -3,10 +3,12 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from ashe_live.bench.render import cost
-from ashe_live.bench.render.cost import WARM_UP_FRAMES, cost_of, costs_by_turns, memory_growth, orbit
+from ashe_live.bench.render.cost import WARM_UP_FRAMES, cost_of, costs_by_turns, memory_growth, orbit, round_model
+from ashe_live.core.transforms import project
 from ashe_live.quality import FAST
 from ashe_live.render.scene import Scene
 from tests.bench.fake_clock import FakeClock
@@ -67,6 +69,36 @@ def test_percentiles_are_those_of_the_pictures_after_the_warm_up(drawing: Drawin
     assert (found.gpu_p50, found.gpu_p99) == pytest.approx((50.5 / 4, 99.01 / 4))
     assert drawing.drawn == [SCENES[number % 3] for number in range(WARM_UP_FRAMES + 100)]
     assert drawing.released == 1
+
+
+def test_a_camera_goes_round_the_marker_and_looks_down_at_what_stands_there() -> None:
+    scenes = orbit((640, 480), None, (), views=4)
+    aim = np.array([[0.0, 0.0, 0.03], [0.0, 0.0, 0.05]])
+    for number, scene in enumerate(scenes):
+        tracked = scene.tracked
+        assert tracked is not None
+        assert (tracked.frame.index, tracked.frame.time_s) == (number, number / 60)
+        (x, y), (above_x, above_y) = project(tracked.camera, tracked.pose.T_cam_marker, aim)
+        assert (x, y) == pytest.approx((319.5, 239.5))
+        assert above_x == pytest.approx(x)
+        assert above_y < y
+        R, t = tracked.pose.T_cam_marker[:3, :3], tracked.pose.T_cam_marker[:3, 3]
+        place = -R.T @ t - (0.0, 0.0, 0.03)
+        turn, lift = np.pi / 2 * number, np.radians(40)
+        assert place == pytest.approx(
+            0.4 * np.array([np.cos(turn) * np.cos(lift), np.sin(turn) * np.cos(lift), np.sin(lift)])
+        )
+
+
+def test_the_vase_is_lit_as_its_surface_lies() -> None:
+    (mesh,) = round_model(5000).model.parts
+    corners = mesh.vertices[mesh.triangles]
+    face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    face /= np.linalg.norm(face, axis=1, keepdims=True)
+    lit = mesh.normals[mesh.triangles]
+    np.testing.assert_allclose(np.linalg.norm(lit, axis=-1), 1, atol=1e-5)
+    assert (lit @ face[:, :, None]).min() > 0.98
+    assert (face[:, :2] * corners.mean(axis=1)[:, :2]).sum(axis=1).min() > 0
 
 
 def test_without_a_timer_the_graphics_card_has_no_time(drawing: Drawing) -> None:

@@ -126,6 +126,8 @@ def test_flips_last_or_do_not() -> None:
     assert lasting_flips(given) == 1
     assert flipped_share(given) == pytest.approx(7 / 14)
     assert np.max(rotation_errors_deg(given)) == pytest.approx(40)
+    assert [flipped_share([answer(truth, pose_at(0.5, 20 - off, 0))]) for off in (9, 11)] == [0, 1]
+    assert flipped_share([answer(truth, None)]) == 0
 
 
 def test_jitter_in_motion_sees_noise_and_no_motion() -> None:
