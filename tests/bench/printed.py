@@ -3,21 +3,23 @@
 from collections.abc import Callable
 from typing import Any
 
+from rich.console import Console
 from rich.table import Table
 
 Rows = dict[tuple[str, ...], dict[str, str]]
 
 
-class Printed:
-    """In the place of a console; keeps tables, row by row, and lines."""
+class Printed(Console):
+    """Shows nothing; keeps tables, row by row, and lines."""
 
     def __init__(self, keys: int = 1) -> None:
+        super().__init__(quiet=True)
         self._keys = keys  # columns that name a row
         self.tables: list[Rows] = []
         self.titles: list[str] = []
         self.lines: list[str] = []
 
-    def print(self, what: Any = "", **_: object) -> None:
+    def print(self, what: Any = "", **_: Any) -> None:
         if not isinstance(what, Table):
             self.lines.append(what)
             return

@@ -75,3 +75,12 @@ def test_an_edge_is_seen_more_than_the_same_step_spread_out() -> None:
     soft[:] = (120 + 30 * np.clip((np.arange(60) - 5) / 50, 0, 1))[None, :, None]
     # Beside the edge, where both differ from grey by as much.
     assert flip_error(grey, sharp)[20, 30] > flip_error(grey, soft)[20, 54]
+
+
+def test_an_edge_that_both_pictures_have_adds_nothing() -> None:
+    """Beside pictures of the same edge, of which one has a little more light everywhere."""
+    linear = np.full((40, 60, 3), 0.1)
+    linear[:, 30:] = 0.4
+    dark, bright = (np.round(255 * srgb_from_linear(linear + more)).astype(np.uint8) for more in (0.0, 0.05))
+    error = flip_error(dark, bright)[20]
+    assert error[28:32].max() < 1.05 * max(error[5], error[55])
