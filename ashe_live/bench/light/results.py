@@ -1,6 +1,5 @@
 """The estimators' results on single cases, and their summaries."""
 
-import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -26,10 +25,9 @@ from ashe_live.core.light import LightEstimate
 from ashe_live.core.transforms import ELLIPSE_95
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.estimator import Estimator
-from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 
 GOOD_DEG = 5.0
-CONFIDENT_DEG = math.degrees(GOOD_RAD)  # a confidence is the probability of an error below this
+CONFIDENT_DEG = 10.0  # a confidence is the probability of an error below this, `judge.GOOD_RAD`
 ALL_LIT, ALL = "all lit", "all"
 
 

@@ -112,7 +112,8 @@ def test_summaries_are_medians_and_shares_of_those_within_a_sigma_and_95_percent
         (8.0, 2.1, 7.9, None),
     )
     found = [LampFigures(0.5, True, beside, beside / 10, *others) for beside, *others in figures]
-    summary = summarise_lamps(found, [True] * 5)
+    found.append(LampFigures(0.5, False, 2.5))
+    summary = summarise_lamps(found, [True] * 6)
     assert (summary.beside_deg, summary.distance_error) == (2.5, 0.25)
     assert (summary.within_1_sigma, summary.within_ellipsoid_95) == (0.4, 0.6)
     assert (summary.radius_told, summary.radius_error) == (0.8, pytest.approx(0.25))
