@@ -44,6 +44,11 @@ class StageTimes:
         for times in (self.wall_ms, self.cpu_ms):
             times["whole"] = [sum(frame) for frame in zip(*(times[stage] for stage in stages), strict=True)]
 
+    @property
+    def pictures_per_second(self) -> float:
+        """How many there are in a second of the stage `whole`."""
+        return len(self.wall_ms["whole"]) * 1e3 / sum(self.wall_ms["whole"])
+
 
 def time_unpaced(
     source: Source, tracker: MarkerTracker, renderer: SceneRenderer, scene: Callable[[TrackedFrame], Scene], frames: int
@@ -80,7 +85,6 @@ def time_blit(
 
 def _next_frame(source: Source, tracker: MarkerTracker, times: StageTimes) -> Frame:
     """The next frame of the clip, which is repeated as needed; rewinding is not timed."""
-    times.start()
     frame = source.read()
     if frame is None:
         source.rewind()

@@ -51,9 +51,9 @@ def test_the_ellipse_holds_95_percent_of_what_it_promises():
 
 
 def test_the_spread_is_about_what_is_given():
-    around = [direction_from_angles(0.0, 0.5 + math.radians(degrees)) for degrees in (-2, 2)]
-    assert rms_deg(around, np.mean(around, axis=0)) == pytest.approx(2)
-    assert rms_deg(around, direction_from_angles(0.0, 0.5 + math.radians(2))) == pytest.approx(math.sqrt(8))
+    low, middle, high = (direction_from_angles(0.0, 0.5 + math.radians(degrees)) for degrees in (-2, 0, 2))
+    assert rms_deg([low, high], np.mean([low, high], axis=0)) == pytest.approx(2)
+    assert rms_deg([low, middle, high], high) == pytest.approx(math.sqrt((4**2 + 2**2) / 3))
 
 
 def test_certainty_pays_only_when_right():

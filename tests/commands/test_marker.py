@@ -112,8 +112,11 @@ def test_a_cube_is_printed_by_either_of_its_names(run, tmp_path):
         (("--show", "--size-mm", "50"), "--size-mm is for printing"),
         (("--cube", "--out", "cube.pdf", "--side", "0.07"), "--side from 0.03 to 0.064"),
         (("--cube", "--out", "cube.pdf", "--side", "-1"), "not a number"),
-        (("--out", "flat.pdf", "--side", "0.05"), "--cube"),
-        (("--cube", "--out", "cube.pdf", "--size-mm", "50"), "--side"),
+        (("--out", "flat.pdf", "--side", "0.05"), "--side is a cube's edge: give --cube with it"),
+        (
+            ("--cube", "--out", "cube.pdf", "--size-mm", "50"),
+            "of a flat marker: give a cube's edge in metres by --side",
+        ),
         (("--cube", "--out", "cube.pdf", "--marker", "aruco:4x4_50:3"), "by another `marker --marker aruco:4x4_50:3`"),
         (("--out", "cube.pdf", "--marker", "cube+aruco:4x4_50:3"), "by another `marker --marker aruco:4x4_50:3`"),
     ],

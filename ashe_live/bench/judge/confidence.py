@@ -7,7 +7,7 @@ import numpy as np
 
 from ashe_live.bench.judge.calibration import fitted_calibration
 from ashe_live.bench.judge.validation import Judged, Pictures, judged, looks_by, mean_risk
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.explanation.judgement.judge import LEAST_PROBABILITY, good_if_right, logit
 from ashe_live.light.explanation.judgement.judge_tables import Average, Score
@@ -16,7 +16,7 @@ from ashe_live.quality import LIGHT_PRESETS
 
 # The share of good answers at a confidence below which none is given. Their stated sigma is tens of degrees then.
 LEAST_GOOD = 0.4
-NEWTON_STEPS = 30  # in fitting the recalibration
+NEWTON_STEPS, SMALLEST_STEP = 30, 1e-5  # in fitting the recalibration
 LEAST_SLOPE = 0.1  # of the log odds of being right over those of the confidence: less tells nothing
 # Weight of the prior on the recalibration: that of this many answers with even odds.
 PRIOR_ANSWERS = 4.0
@@ -147,10 +147,22 @@ def _good_if_right(answers: Sequence[Judged], calibration: Calibration, open_: f
 
 def _cost(answers: Sequence[Judged], factors: Float, fitted: tuple[float, float]) -> float:
     """Minus the log of the likelihood of which answers are good."""
-    offset, slope = fitted
-    probability = factors / (1 + np.exp(-offset - slope * _log_odds_of(answers)))
-    probability = np.clip(probability, LEAST_PROBABILITY, 1 - LEAST_PROBABILITY)
-    good = np.array([each.is_good for each in answers])
+    probability = _probability(_right(_log_odds_of(answers), *fitted), factors)
+    return _missed(np.array([each.is_good for each in answers]), probability)
+
+
+def _right(log_odds: Float, offset: float, slope: float) -> Float:
+    """(n,) the probabilities of being right that log odds (n,) are recalibrated to."""
+    return np.asarray(np.exp(-np.logaddexp(0.0, -offset - slope * log_odds)))
+
+
+def _probability(right: Float, factors: Float | float) -> Float:
+    """(n,) of being good, by those of being right."""
+    return np.asarray(np.clip(factors * right, LEAST_PROBABILITY, 1 - LEAST_PROBABILITY))
+
+
+def _missed(good: Mask, probability: Float) -> float:
+    """Minus the log of the likelihood of what is good."""
     return -float(np.log(np.where(good, probability, 1 - probability)).sum())
 
 
@@ -166,18 +178,30 @@ def fitted_confidence(answers: Sequence[Judged], factors: Float | float = 1.0) -
     Logistic regression with a prior about no change, by Fisher's scoring (Platt, 1999). factors: (n,) by which the
     confidences are multiplied then.
     """
-    design = np.column_stack([np.ones(len(answers)), _log_odds_of(answers)])
-    good = np.array([each.is_good for each in answers], dtype=np.float64)
+    log_odds = _log_odds_of(answers)
+    design = np.column_stack([np.ones(len(answers)), log_odds])
+    good = np.array([each.is_good for each in answers], dtype=np.bool_)
     prior = np.array([0.0, 1.0])
-    values = prior.copy()
+
+    def cost(values: Float) -> float:
+        missed = _missed(good, _probability(_right(log_odds, *values), factors))
+        return missed + PRIOR_ANSWERS / 8 * float(((values - prior) ** 2).sum())
+
+    values, least = prior, cost(prior)
     for _ in range(NEWTON_STEPS):
-        right = 1 / (1 + np.exp(-design @ values))
-        probability = np.clip(factors * right, LEAST_PROBABILITY, 1 - LEAST_PROBABILITY)
+        right = _right(log_odds, *values)
+        probability = _probability(right, factors)
         slopes = factors * right * (1 - right)
         variance = probability * (1 - probability)
         gradient = design.T @ (slopes * (good - probability) / variance) - PRIOR_ANSWERS / 4 * (values - prior)
         information = (design.T * (slopes**2 / variance)) @ design + PRIOR_ANSWERS / 4 * np.eye(2)
-        values = values + np.linalg.solve(information, gradient)
+        step = np.linalg.solve(information, gradient)
+        # Where confidences fit ill, a whole step can lead far past the least cost.
+        while (reached := cost(values + step)) > least and np.abs(step).max() > SMALLEST_STEP:
+            step = step / 2
+        if reached > least:
+            break
+        values, least = values + step, reached
     return round(float(values[0]), 3), round(float(max(values[1], 0.0)), 3)
 
 

@@ -1,4 +1,4 @@
-"""LDR-FLIP, the difference that a person sees when flipping between two pictures: 0 none, 1 black for white.
+"""LDR-FLIP, the difference that a person sees when flipping between two pictures: 0 none, 1 green for blue.
 
 Andersson, Nilsson, Akenine-Moeller, Oskarsson, Astrom, Fairchild, "FLIP: a difference evaluator for alternating
 images", Proc. ACM Computer Graphics and Interactive Techniques 2020; all constants are theirs.

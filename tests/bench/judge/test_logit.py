@@ -66,6 +66,22 @@ def test_of_two_that_are_right_the_one_with_all_lights_is_learned() -> None:
     assert set(fitted_score(groups).curves["second"].log_odds) == {0.0}
 
 
+def test_curves_bend_where_values_lie() -> None:
+    """At the least value and at quantiles of those above, where many have the least; at both, where there are two."""
+    above = np.linspace(0, 1, 201)[1:]
+    values = {"hue": [0.0] * 200 + above.tolist(), "edge": [2.0, 5.0] * 200, "border": [3.0] * 400}
+    several = [
+        candidate(dict(zip(values, each, strict=True)), i % 2)
+        for i, each in enumerate(zip(*values.values(), strict=True))
+    ]
+    score = fitted_score([several[at : at + 4] for at in range(0, 400, 4)])
+    assert score.curves["hue"].at == pytest.approx((0.0, 0.33, 0.66, 0.95), abs=0.01)
+    assert score.curves["edge"].at == (2.0, 5.0)
+    assert score.curves["border"].at == (3.0, 4.0)
+    spread = fitted_score([[candidate({"edge": float(value)}, 1)] for value in np.linspace(0, 10, 401)])
+    assert spread.curves["edge"].at == pytest.approx((0.3, 3.5, 6.5, 9.7), abs=0.01)
+
+
 def test_without_anything_to_fit_to_it_says_so() -> None:
     for groups in ([], [[]]):
         with pytest.raises(UserError, match="nothing was tried"):

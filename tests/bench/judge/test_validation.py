@@ -8,6 +8,7 @@ import pytest
 
 from ashe_live.bench.judge.confidence import (
     LEAST_GOOD,
+    PRIOR_ANSWERS,
     as_stated,
     fitted_average,
     fitted_confidence,
@@ -15,7 +16,7 @@ from ashe_live.bench.judge.confidence import (
     with_open_directions,
 )
 from ashe_live.bench.judge.samples import Candidate, Sample, of_one_view
-from ashe_live.bench.judge.tables import calibration_table
+from ashe_live.bench.judge.tables import calibration_table, families_table, risk_table
 from ashe_live.bench.judge.validation import (
     FOLDS,
     Judged,
@@ -75,9 +76,29 @@ def test_risk_falls_with_coverage_where_confidence_separates_right_from_wrong() 
     assert [risk for *_, risk in curve] == pytest.approx([0, 0, 1 / 3, 1 / 4])
 
 
+def test_the_mean_risk_is_the_area_under_the_curve() -> None:
+    assert mean_risk([answer(0.9), answer(0.8, 40.0), answer(0.7), answer(0.6)]) == pytest.approx(
+        (0 + 1 / 2 + 1 / 3 + 1 / 4) / 4
+    )
+
+
 def test_an_answer_where_there_is_no_light_is_a_risk_and_covers_nothing() -> None:
     (confidence, covered, risk), _ = risk_curve([answer(0.9, 180.0, lights=0), answer(0.8)])
     assert (confidence, covered, risk) == (0.9, 0.0, 1.0)
+
+
+def test_an_answer_is_bad_where_it_is_sure_and_far_off() -> None:
+    assert [answer(*each).is_bad for each in ((0.51, 16.0), (0.49, 16.0), (0.51, 14.0))] == [True, False, False]
+
+
+def test_families_and_coverages_have_their_shares_of_bad_answers() -> None:
+    answers = [answer(0.9, 20.0), answer(0.8), answer(0.7), answer(0.6, 12.0), answer(0.6, 12.0, lights=0)]
+    (family,) = zip(*(column.cells for column in families_table([("ground", "wood", answers)]).columns), strict=True)
+    error = np.mean([0.9, 0.2, 0.3, 0.6, 0.6])
+    assert family == ("ground: wood", "4", "20.0 %", f"{error:.3f}"), "two answers are to one picture"
+    risks = [list(column.cells) for column in risk_table("tables", {"fast": answers}).columns]
+    assert risks[0] == [f"{percent} %" for percent in (30, 40, 50, 60, 70, 80, 90)]
+    assert risks[1] == ["50.0 % from 0.80"] * 3 + ["33.3 % from 0.70"] * 2 + ["50.0 % from 0.60"] * 2
 
 
 def test_an_answer_where_there_is_no_light_counts_against_its_confidence() -> None:
@@ -146,6 +167,26 @@ def test_recalibrated_answers_are_right_as_often_as_they_say() -> None:
     assert fitted_confidence(halved) == pytest.approx((0.0, 2.0), abs=0.2)
 
 
+@pytest.mark.parametrize("is_open", [False, True])
+def test_fitted_confidences_are_the_likeliest_however_ill_they_fit(is_open: bool) -> None:
+    """With a prior of PRIOR_ANSWERS answers at even odds, of which each has an information of a fourth."""
+    rng = np.random.default_rng(8)
+    answers = [
+        answer(float(c), float(error)) for c, error in zip(rng.random(150), rng.choice([1.0, 90.0], 150), strict=True)
+    ]
+    factors = rng.uniform(0.3, 1.0, 150) if is_open else np.ones(150)
+    good, said = np.array([each.is_good for each in answers]), np.array([each.confidence for each in answers])
+
+    def likelihood(offset: float, slope: float) -> float:
+        probability = factors / (1 + np.exp(-offset) * ((1 - said) / said) ** slope)
+        prior = PRIOR_ANSWERS / 4 * (offset**2 + (slope - 1) ** 2) / 2
+        return float(np.log(np.where(good, probability, 1 - probability)).sum() - prior)
+
+    offset, slope = fitted_confidence(answers, factors)
+    for more in ((0.02, 0.0), (-0.02, 0.0), (0.0, 0.02), (0.0, -0.02)):
+        assert likelihood(offset + more[0], slope + more[1]) < likelihood(offset, slope)
+
+
 def test_few_answers_hardly_change_confidence() -> None:
     offset, slope = fitted_confidence([answer(0.9), answer(0.8)])
     assert abs(offset) < 0.5
@@ -180,6 +221,13 @@ def test_a_picture_is_judged_by_fits_that_have_seen_neither_its_object_nor_its_g
             assert not set(each.values()) & set(other.tags.values())
 
 
+def test_where_there_are_no_others_a_picture_is_judged_by_a_fit_to_all() -> None:
+    pictures = [{FAST: Sample(str(i), {"ground": "wood"}, ONE_LIGHT, [candidate(2.0)], [])} for i in range(3)]
+    seen: list[list[Sample]] = []
+    assert len(scores_by_others(pictures, fit_that_tells(seen))) == 3
+    assert {len(each) for each in seen} == {3}
+
+
 def test_an_answer_is_the_mean_of_what_explains_the_picture_by_its_direction() -> None:
     score = Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
     either_side = sample_of([candidate(3.0), candidate(-3.0)])
@@ -188,6 +236,15 @@ def test_an_answer_is_the_mean_of_what_explains_the_picture_by_its_direction() -
     less = sample_of([candidate(3.0), candidate(-3.0, 0.0), candidate(40.0, 0.0)])
     share = 1 / (1 + np.exp(-2.0))
     assert judged(score, [less], ONE).error_rad == pytest.approx(np.radians(3.0 * (2 * share - 1)), rel=0.01)
+
+
+def test_of_what_explains_a_picture_alike_the_likeliest_says_how_sure_its_direction_is() -> None:
+    score = Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
+    less, more = candidate(3.0, 0.0), dataclasses.replace(candidate(3.0), covariance_rad2=2 * np.eye(2))
+    for several in ([less, more], [more, less]):
+        best = judged(score, [sample_of(several)], ONE).best
+        assert best is not None
+        np.testing.assert_array_equal(best.covariance_rad2, more.covariance_rad2)
 
 
 def test_the_better_look_weighs_more() -> None:
@@ -217,3 +274,4 @@ def test_a_family_is_judged_by_a_fit_that_has_not_seen_it() -> None:
     found = [(kind, family, len(answers)) for kind, family, answers in families]
     assert found == [("ground", "brick", 20), ("ground", "wood", 20)]
     assert seen == [{"wood", "rare"}, {"brick", "rare"}]
+    assert list(by_families_left_out(pictures[:20], fit, FAST, ONE)) == [], "no others to fit to"

@@ -9,11 +9,14 @@ import pytest
 
 from ashe_live.bench import cases
 from ashe_live.bench.cases import Case
+from ashe_live.bench.lamps import fall_errors
 from ashe_live.bench.lamps.bench import LampBench
-from ashe_live.bench.lamps.fall_errors import FallError, fall_error, fitted_share, whole_share
+from ashe_live.bench.lamps.fall_errors import OPEN, FallError, fall_error, fitted_share, whole_share
 from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
 from ashe_live.light.estimators.preset import BALANCED
+from ashe_live.light.lamps.place import Place
+from ashe_live.light.lamps.sources import with_fall_off
 from tests.light.painted_scenes import BOX, paint
 
 
@@ -74,8 +77,36 @@ def test_a_lamps_nearness_is_estimated_by_the_fall_of_light(lamp_case: Case) -> 
     assert found.squared_sigmas < WITHIN_99
 
 
+def test_what_is_given_is_the_true_direction_from_the_object_and_nothing_of_the_distance(
+    lamp_case: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = []
+
+    def kept(place: Place, *others: object) -> Place:
+        given.append(place)
+        return with_fall_off(place, *others)
+
+    monkeypatch.setattr(fall_errors, "with_fall_off", kept)
+    assert fall_error(lamp_case, BALANCED) is not None
+    assert lamp_case.foot_m is not None
+    x, y = lamp_case.foot_m
+    for nearness in (0.5, 1 / LAMP_M[2], 5.0):
+        # Along the true direction from the object, at whatever height.
+        at = np.array([x, y, 0.0]) + (LAMP_M - (x, y, 0.0)) / LAMP_M[2] / nearness
+        off = np.append(at[:2], 1.0) / at[2] - given[0].mean
+        assert given[0].information @ off == pytest.approx((0.0, 0.0, nearness / OPEN**2), abs=1e-6)
+
+
+def test_where_the_ground_is_lit_evenly_it_shows_no_lamp(lamp_case: Case, tmp_path: Path) -> None:
+    scene = paint(BOX, lamp_m=50 * LAMP_M)
+    cv2.imwrite(str(tmp_path / "picture.png"), scene.tracked.frame.image_bgr)
+    found = fall_error(replace(lamp_case, image_path=tmp_path / "picture.png"), BALANCED)
+    assert found is None or found.deviance < 10
+
+
 def test_suns_and_several_lights_are_left_out(lamp_case: Case) -> None:
-    assert fall_error(replace(lamp_case, lamp_m=None), BALANCED) is None
+    for unknown in ({"lamp_m": None}, {"foot_m": None}, {"mask_paths": {}}):
+        assert fall_error(replace(lamp_case, **unknown), BALANCED) is None
     two = np.vstack([LAMP_M / np.linalg.norm(LAMP_M), [0.0, 0.0, 1.0]])
     assert fall_error(replace(lamp_case, to_lights_marker=two), BALANCED) is None
 

@@ -22,6 +22,8 @@ from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.errors import UserError
 from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.preset import BALANCED
+from ashe_live.tracking.tracker import MarkerTracker
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import camera_towards
 from tests.tracking.conftest import picture
@@ -119,6 +121,9 @@ def test_a_take_is_tracked_by_a_focal_length_that_is_not_quite_right(folder: Pat
         assert tracked.camera.K[0, 2] == take.case.camera.K[0, 2]
         ratio = np.linalg.norm(tracked.marker.T_cam_marker[:3, 3]) / np.linalg.norm(true[:3, 3])
         assert ratio == pytest.approx(FOCAL_FACTOR, abs=0.02)
+        alone = MarkerTracker(print_of, tracked.camera, tracked.marker.side_m, BALANCED).track(tracked.frame)
+        assert alone.marker is not None
+        np.testing.assert_array_equal(tracked.marker.T_cam_marker, alone.marker.T_cam_marker, "each by itself")
 
 
 def test_a_take_whose_marker_is_never_seen_is_left_out(folder: Path) -> None:
@@ -136,6 +141,8 @@ def test_each_number_of_views_holds_those_before_it(folder: Path) -> None:
     assert estimator.given == [[0], [0, 4], [0, 4, 1, 2]]
     assert [each.views for each in results] == [1, 2, 4]
     assert results[0].result.error_deg == pytest.approx(np.degrees(np.arccos(0.8)))
+    few = replace(take, poses={index: take.poses[index] for index in (0, 1, 2)})
+    assert [each.used for each in take_results(few, {"balanced": estimator})] == [1, 2], "no more than there are"
 
 
 def test_a_list_that_is_none_is_said_to_be_none(tmp_path: Path) -> None:

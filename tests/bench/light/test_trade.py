@@ -30,12 +30,12 @@ class Guess:
 
 @pytest.fixture
 def cases(tmp_path):
-    """A blank picture, under a light that is 45 degrees from the zenith, and under none."""
+    """A blank picture, under a light that is 45 degrees from the zenith, under none, and under an unknown one."""
     path = tmp_path / "blank.png"
     cv2.imwrite(str(path), np.full((48, 64, 3), 128, np.uint8))
     camera = Camera.from_hfov((64, 48), 60)
     pose = MarkerPose(rigid(np.diag((1.0, -1.0, -1.0)), (0, 0, 1)), np.zeros((4, 2)), 0.1, 0.0, None)
-    truths = (np.array([[0.0, 1.0, 1.0]]), np.empty((0, 3)))
+    truths = (np.array([[0.0, 1.0, 1.0]]), np.empty((0, 3)), None)
     return [Case("a", "set", "clean", None, path, camera, pose, truth, {}) for truth in truths]
 
 

@@ -49,6 +49,8 @@ def test_masks_of_another_size_are_compared_all_the_same(scene, case):
     assert min(right) > 0.9
     assert max(exchanged) < 0.1
     assert mask_overlaps(LightEstimate("e", 0, Illumination(), "-"), case) == (None, None)
+    unknown = dataclasses.replace(case, mask_paths={})
+    assert mask_overlaps(LightEstimate("e", 0, Illumination(), "-", body, shadow), unknown) == (None, None)
 
 
 @pytest.mark.parametrize("width", [213, 333, 431])
@@ -75,11 +77,20 @@ def test_a_light_elsewhere_is_as_wrong_as_it_is_far(case):
     assert error_on_true_labels_deg(other, case.tracked(), BALANCED) == pytest.approx(20, abs=1)
 
 
+def test_of_two_lights_the_error_is_that_of_the_strongest(case, monkeypatch):
+    found = [direction(200.0, 47.0), direction(110.0, 50.0)]
+    monkeypatch.setattr("ashe_live.bench.light.truth.directions_from_labels", lambda *_: found)
+    both = dataclasses.replace(case, to_lights_marker=np.array([LIGHT, found[1]]))
+    assert error_on_true_labels_deg(both, case.tracked(), BALANCED) == pytest.approx(7)
+
+
 def test_without_masks_or_light_there_is_no_such_error(case):
-    blind = dataclasses.replace(case, mask_paths={})
-    dark = dataclasses.replace(case, to_lights_marker=np.empty((0, 3)))
-    assert error_on_true_labels_deg(blind, case.tracked(), BALANCED) is None
-    assert error_on_true_labels_deg(dark, case.tracked(), BALANCED) is None
+    for name in case.mask_paths:
+        alone = dataclasses.replace(case, mask_paths={name: case.mask_paths[name]})
+        assert error_on_true_labels_deg(alone, case.tracked(), BALANCED) is None
+    for lights in (np.empty((0, 3)), None):
+        dark = dataclasses.replace(case, to_lights_marker=lights)
+        assert error_on_true_labels_deg(dark, case.tracked(), BALANCED) is None
 
 
 def test_shadows_of_other_objects_are_not_the_main_ones(scene, case, tmp_path):

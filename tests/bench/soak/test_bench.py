@@ -2,8 +2,12 @@
 
 import itertools
 import json
+import math
+import os
 import threading
+from types import SimpleNamespace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -11,14 +15,20 @@ from ashe_live.bench import resources_held
 from ashe_live.bench.resources_held import growth, left_running
 from ashe_live.bench.soak import bench as soak
 from ashe_live.bench.soak import run as soak_run
+from ashe_live.bench.soak import time_code
 from ashe_live.bench.soak.bench import SoakBench
-from ashe_live.bench.soak.run import drift_json
+from ashe_live.bench.soak.offscreen_window import ShownPicture
+from ashe_live.bench.soak.run import SoakTracker, drift_json
 from ashe_live.bench.soak.time_code import BITS, TimeCodeCamera, paint_number, read_number
 from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.core.camera import Camera
 from ashe_live.core.light import Illumination, LightEstimate
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.quality import FAST
+from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.tracker import MarkerTracker
+from ashe_live.viewer.hands.requests import Command
+from tests.bench.fake_clock import FakeClock
 
 FRAMES = 12
 SAMPLED_AT = list(range(500, 100_001, 500))
@@ -70,6 +80,63 @@ def test_interrupted_it_reports_the_frames_so_far(clip, monkeypatch):
     assert record["soak"]["left_running"] == []
 
 
+def test_each_tracked_frame_counts_once_with_its_own_times_and_the_keys_come_in_their_turn(monkeypatch):
+    """Of 60 frames, each on the screen twice, those of the last tenth took twice as long to draw and to track."""
+    monkeypatch.setattr(soak_run, "SWITCH_EVERY", 3)
+    monkeypatch.setattr(soak_run, "ESTIMATE_EVERY", 20)
+    monkeypatch.setattr(soak_run, "model_names", lambda: ("cube", "mug"))
+    clock, held = FakeClock(), itertools.count(1)
+    clock.install(monkeypatch, soak_run.__name__)
+    monkeypatch.setattr(resources_held, "held_now", lambda: {"rss_mib": float(next(held))})
+    window, watch = SimpleNamespace(requests=[]), SimpleNamespace(key_views=SimpleNamespace(nbytes=0))
+    session = SimpleNamespace(tracked=None, estimate=None, watch=watch)
+    tracker = SimpleNamespace(at_rest=threading.Lock(), last_ms=(0.0, 0.0))
+    run = soak_run.SoakRun(window, session, tracker, 60)
+    run.add(ShownPicture(0.0, 9.0, 9.0))  # before there is a frame
+    for index in range(60):
+        times = 2 if index >= 54 else 1
+        session.tracked, tracker.last_ms = object(), (4.0 * times, 3.0 * times)
+        watch.key_views.nbytes = 2**20 * (8 if index == 30 else 1)
+        if index in (20, 41):
+            session.estimate = object()
+        clock.work(50)
+        for drawn_s in (0.010 * times, 9.0):
+            run.add(ShownPicture(100.0, 100.0 + drawn_s, 0.5 * drawn_s))
+    found = run.to_json()
+    assert found["seconds"] == pytest.approx(60 * 0.05)
+    assert (found["frames"], found["model_switches"], found["estimates"], found["key_views_mib"]) == (60, 20, 2, 8)
+    keys = [request.command for request in window.requests]
+    assert (keys.count(Command.NEXT_MODEL), keys.count(Command.ESTIMATE)) == (20, 3)
+    ms = found["drift"]["median_ms"]
+    expected = {"drawn": 10.0, "drawn, processor": 5.0, "tracked": 4.0, "tracked, processor": 3.0}
+    assert {name: part["first_tenth"] for name, part in ms.items()} == pytest.approx(expected)
+    doubled = {name: 2 * once for name, once in expected.items()}
+    assert {name: part["last_tenth"] for name, part in ms.items()} == pytest.approx(doubled)
+    assert found["drift"]["is_steady"] is False
+    assert found["held"]["frames"] == list(range(1, 61))
+    # A MiB with each frame is a leak, looked for once every model was loaded twice.
+    memory = found["held"]["rss_mib"]
+    assert (memory["first"], memory["last"], memory["per_1000_frames"], memory["is_flat"]) == (12, 60, 1000, False)
+
+
+def test_the_tracker_times_itself_and_cannot_be_at_work_while_memory_is_looked_at(clip, monkeypatch):
+    clock, given, tracked = FakeClock(), object(), object()
+    clock.install(monkeypatch, soak_run.__name__)
+    tracker = SoakTracker(parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, FAST.tracking)
+    assert tracker.last_ms == (0, 0)
+
+    def track(_, frame):
+        assert frame is given
+        assert tracker.at_rest.locked()
+        clock.work(30)  # half of it on the processor
+        return tracked
+
+    monkeypatch.setattr(MarkerTracker, "track", track)
+    assert tracker.track(given) is tracked
+    assert tracker.last_ms == pytest.approx((30, 15))
+    assert not tracker.at_rest.locked()
+
+
 @pytest.mark.parametrize("number", [0, 1, 0b1010101010101010, 2**BITS - 1, 2**BITS + 5])
 def test_a_number_is_read_as_it_was_painted(number):
     image = np.random.default_rng(number).integers(0, 256, (240, 320, 3), np.uint8)
@@ -95,6 +162,62 @@ def test_the_camera_counts_on_when_the_clip_begins_again(clip):
     assert not camera.grab()
 
 
+def test_the_camera_has_a_picture_when_one_is_due_and_remembers_when_it_was_taken(clip, monkeypatch):
+    clock = FakeClock()
+    clock.install(monkeypatch, time_code.__name__)
+    monkeypatch.setattr(threading.Event, "wait", lambda _, seconds: clock.sleep(max(0.0, seconds)))
+    camera, begun_s = TimeCodeCamera(clip, 10.0), clock.wall_s()
+    assert camera.isOpened()
+    assert (camera.size, camera.get(cv2.CAP_PROP_FPS), camera.get(cv2.CAP_PROP_EXPOSURE)) == (
+        clip.camera.size,
+        10.0,
+        0.0,
+    )
+    for busy_ms in (30, 250, 0, 0):  # the second is read late, and what is missed meanwhile is not caught up on
+        assert camera.grab()
+        assert camera.retrieve()[0]
+        clock.work(busy_ms)
+    taken = [camera.taken_s(number) - begun_s for number in range(4)]
+    assert taken == pytest.approx([0.1, 0.2, 0.45, 0.55])
+    camera.release()
+    assert not camera.isOpened()
+
+
+def test_what_a_process_holds_is_what_it_takes(tmp_path, monkeypatch):
+    kept, end = [], threading.Event()
+    before = resources_held.held_now()
+    with (tmp_path / "a").open("w"):
+        thread = threading.Thread(target=end.wait)
+        thread.start()
+        kept.append(np.ones(2**23))  # of 64 MiB
+        monkeypatch.setattr(
+            resources_held.multiprocessing, "active_children", lambda: [SimpleNamespace(pid=os.getpid())]
+        )
+        after = resources_held.held_now()
+        end.set()
+        thread.join()
+    more = {name: after[name] - before[name] for name in before}
+    assert (more["open_files"], more["threads"], more["gl_objects"]) == (1, 1, 0)
+    assert more["rss_mib"] == pytest.approx(64, abs=8)
+    assert (before["children_rss_mib"], after["children_rss_mib"]) == (0, pytest.approx(after["rss_mib"], abs=8))
+    for gone in (SimpleNamespace(pid=None), SimpleNamespace(pid=2**22 + 1)):
+        monkeypatch.setattr(resources_held.multiprocessing, "active_children", lambda gone=gone: [gone])
+        assert math.isnan(resources_held.held_now()["children_rss_mib"])
+
+
+def test_what_a_system_does_not_tell_is_null(monkeypatch):
+    samples = iter([{"rss_mib": float(n), "threads": math.nan} for n in (5, 7, 7, 7)])
+    monkeypatch.setattr(resources_held, "held_now", lambda: next(samples))
+    held = resources_held.Held()
+    for frame in (10, 20, 30, 40):
+        held.sample(frame)
+    found = held.to_json(20)
+    assert found["frames"] == [10, 20, 30, 40]
+    assert found["rss_mib"] == {"samples": [5, 7, 7, 7], "first": 7, "last": 7, "per_1000_frames": 0, "is_flat": True}
+    unknown = dict.fromkeys(("first", "last", "per_1000_frames", "is_flat"))
+    assert found["threads"] == {"samples": [None] * 4, **unknown}
+
+
 def test_noise_and_a_single_jump_are_no_leak_but_a_few_hundred_bytes_a_frame_are():
     noise = np.random.default_rng(3).normal(0, 2, len(SAMPLED_AT))
     level = 350 + noise
@@ -102,6 +225,7 @@ def test_noise_and_a_single_jump_are_no_leak_but_a_few_hundred_bytes_a_frame_are
     level[150:] += 3
     assert growth(SAMPLED_AT, level.tolist(), 10_000)["is_flat"]
     leak = level + np.array(SAMPLED_AT) * 300 / 2**20
+    leak[-1] += 1e4  # by which no slope is led astray
     found = growth(SAMPLED_AT, leak.tolist(), 10_000)
     assert not found["is_flat"]
     assert found["per_1000_frames"] == pytest.approx(1000 * 300 / 2**20, rel=0.2)
@@ -124,6 +248,7 @@ def test_too_few_samples_give_no_verdict():
 )
 def test_slow_by_its_own_doing_is_slow_by_the_clock_and_on_the_processor(last, is_steady):
     times_ms = np.full((1000, 4), 5.0) * np.linspace(np.ones(4), last, 1000)
+    times_ms[[150, 950]] = (1.0, 1.0, 1.0, 1.0), (1e4, 1e4, 1e4, 1e4)  # a few pictures are no drift
     found = drift_json(times_ms, round_frames=100)
     assert found["is_steady"] is is_steady
     assert drift_json(times_ms, round_frames=101) is None

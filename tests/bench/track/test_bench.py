@@ -3,24 +3,37 @@
 import dataclasses
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
 import pytest
 
+from ashe_live.bench.track import clips as track_clips
+from ashe_live.bench.track import contenders, focal
 from ashe_live.bench.track.clips import follow_clips, jitter_in_motion_px, largest_turn_deg
 from ashe_live.bench.track.contenders import Answer, OpencvReference, Ours, answers, found_share
 from ashe_live.bench.track.frames import Flaws, PrintedMarker
-from ashe_live.bench.track.measures import corner_jitter_px, flipped_share, lag_ms, lasting_flips, rotation_errors_deg
+from ashe_live.bench.track.measures import (
+    corner_jitter_px,
+    flipped_share,
+    lag_ms,
+    lasting_flips,
+    normalised_error_squared,
+    rotation_errors_deg,
+)
 from ashe_live.bench.track.tables import Figure
-from ashe_live.bench.track.takes import FPS, SIDE_M, SMALL, pose_at, scattered, sliding
+from ashe_live.bench.track.takes import FPS, SIDE_M, SMALL, SPEC, pose_at, scattered, sliding
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import MarkerPose
+from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.quality import BALANCED
+from ashe_live.tracking.families.markers import parse_marker
+from tests.bench.fake_clock import FakeClock
 
 BLACK = np.zeros((1, 1), np.uint8)
 PLAIN = Flaws(blur_px=0, noise=0, vignetting=0)
@@ -81,6 +94,37 @@ def test_jitter_is_the_distance_from_the_mean() -> None:
     assert corner_jitter_px([answer(truth, T) for T in moved], SMALL) == pytest.approx(0.5, rel=1e-3)
 
 
+def test_errors_drawn_from_the_covariance_of_the_noise_are_calibrated_whatever_the_filter_and_other_errors_are() -> (
+    None
+):
+    rng, truth = np.random.default_rng(4), pose_at(0.5, 40, 70)
+    mix = rng.normal(size=(6, 6)) * np.repeat((3e-3, 2e-4), 3)[:, None]
+    noise = mix @ mix.T
+
+    def drawn(stated: Float) -> Answer:
+        turn, aside = np.split(rng.multivariate_normal(np.zeros(6), noise), 2)
+        measured = rigid(cv2.Rodrigues(turn)[0] @ truth[:3, :3], truth[:3, 3] + aside)
+        pose = MarkerPose(truth, np.zeros((4, 2)), SIDE_M, 0.0, None, 9 * noise, stated, measured)
+        return Answer(truth, truth, 1.0, 1.0, pose)
+
+    unstated = Answer(truth, truth, 1.0, 1.0, MarkerPose(truth, np.zeros((4, 2)), SIDE_M, 0.0, None))
+    nothing = answer(truth, None)
+    for scale in (1.0, 4.0):
+        given = [*(drawn(noise / scale) for _ in range(2000)), unstated, nothing]
+        assert normalised_error_squared(given) == pytest.approx(scale, rel=0.06)
+
+
+def test_jitter_without_the_filter_is_that_of_the_poses_as_measured() -> None:
+    truth = pose_at(0.5, 0, 0)
+    given = []
+    for aside_m in (-1e-3, 1e-3):
+        measured = rigid(truth[:3, :3], truth[:3, 3] + (aside_m, 0, 0))
+        pose = MarkerPose(truth, np.zeros((4, 2)), SIDE_M, 0.0, None, unfiltered_T_cam_marker=measured)
+        given.append(Answer(truth, truth, 1.0, 1.0, pose))
+    assert corner_jitter_px(given, SMALL) == pytest.approx(0, abs=1e-9)
+    assert corner_jitter_px(given, SMALL, unfiltered=True) == pytest.approx(1e-3 * SMALL.K[0, 0] / 0.5)
+
+
 def test_flips_last_or_do_not() -> None:
     truth, flipped = pose_at(0.5, 20, 0), pose_at(0.5, -20, 0)
     said = [*[truth] * 5, *[flipped] * 3, truth, *[flipped] * 4, truth]
@@ -88,6 +132,8 @@ def test_flips_last_or_do_not() -> None:
     assert lasting_flips(given) == 1
     assert flipped_share(given) == pytest.approx(7 / 14)
     assert np.max(rotation_errors_deg(given)) == pytest.approx(40)
+    assert [flipped_share([answer(truth, pose_at(0.5, 20 - off, 0))]) for off in (9, 11)] == [0, 1]
+    assert flipped_share([answer(truth, None)]) == 0
 
 
 def test_jitter_in_motion_sees_noise_and_no_motion() -> None:
@@ -112,6 +158,95 @@ def test_both_contenders_see_the_same_frames() -> None:
     assert found_share(given["OpenCV"]) == found_share(given["ours"]) == 1
     assert [one.truth.tolist() for one in given["OpenCV"]] == [one.truth.tolist() for one in given["ours"]]
     assert max(rotation_errors_deg(given["ours"])) < 0.2
+
+
+def test_what_a_contender_takes_is_timed_by_itself(monkeypatch) -> None:
+    clock, take = FakeClock(), scattered("s", 90, 2)
+    clock.install(monkeypatch, contenders.__name__)
+
+    class Slow:
+        def __init__(self, ms: float, found: Float | MarkerPose | None) -> None:
+            self._ms, self._found = ms, found
+
+        def look(self, _frame: object) -> Float | MarkerPose | None:
+            clock.work(self._ms)
+            return self._found
+
+    pose = MarkerPose(pose_at(0.5, 0, 0), np.zeros((4, 2)), SIDE_M, 0.0, None)
+    given = answers(take, {"matrix": Slow(10, pose_at(0.4, 0, 0)), "pose": Slow(30, pose), "none": Slow(50, None)})
+    assert {name: [(one.ms, one.cpu_ms) for one in every] for name, every in given.items()} == {
+        name: [pytest.approx((ms, ms / 2))] * 2 for name, ms in (("matrix", 10), ("pose", 30), ("none", 50))
+    }
+    assert [one.pose for every in given.values() for one in every] == [None, None, pose, pose, None, None]
+    assert found_share([*given["pose"], *given["matrix"], *given["none"]]) == pytest.approx(4 / 6)
+
+
+def test_a_cold_tracker_and_opencvs_refinement_are_what_they_are_called() -> None:
+    take = sliding("s", 0.3, 4)
+    given = answers(
+        take,
+        {
+            "cold": Ours(SMALL, BALANCED.tracking, cold=True),
+            "warm": Ours(SMALL, BALANCED.tracking),
+            "refined": OpencvReference(SMALL),
+            "unrefined": OpencvReference(SMALL, subpixel=False),
+        },
+    )
+    for (frame, _), cold, warm in zip(take.film(), given["cold"], given["warm"], strict=True):
+        anew = Ours(SMALL, BALANCED.tracking).look(frame)
+        assert anew is not None
+        np.testing.assert_array_equal(cold.T_cam_marker, anew.T_cam_marker)
+        assert frame.index == 0 or (warm.T_cam_marker != anew.T_cam_marker).any()
+    refined, unrefined = (np.median(rotation_errors_deg(given[name])) for name in ("refined", "unrefined"))
+    assert refined < unrefined
+
+
+def test_a_clips_figures_are_those_of_its_frames(tmp_path: Path, monkeypatch) -> None:
+    """Of eight frames of a sliding marker, and two of nothing."""
+    take = sliding("s", 0.3, 8)
+    with Recorder(tmp_path / "a.mp4", SMALL.size, 30) as recorder:
+        for frame, _ in take.film():
+            recorder.write(frame.image_bgr, frame.index / 30)
+        for index in (8, 9):
+            recorder.write(np.full((480, 640, 3), 90, np.uint8), index / 30)
+    marker = {"pattern_file": "p.patt", "side_units": SIDE_M}
+    truth = {"marker": marker, "clips": {"a.mp4": {"f_px": float(SMALL.K[0, 0])}}}
+    (tmp_path / "ground_truth.json").write_text(json.dumps(truth))
+    named: list[str] = []
+    monkeypatch.setattr(track_clips, "parse_marker", lambda spec: named.append(spec) or parse_marker(SPEC))
+    (found,) = follow_clips(tmp_path, BALANCED.tracking)
+    assert named == [f"pattern:{tmp_path / 'p.patt'}"]
+    assert (found.name, found.frames) == ("a.mp4", 10)
+    assert found.found_share == pytest.approx(0.8, abs=0.11)  # a frame or two may be bridged
+    assert round(10 * found.found_share) == 8 + found.bridged
+    assert 0 < found.largest_turn_deg < 1
+    assert 0 < found.jitter_in_motion_px < 0.2
+    assert 0 < found.unfiltered_jitter_in_motion_px < 0.2
+    assert found.median_ms > 0
+
+
+def test_a_focal_lengths_error_is_in_percent_and_in_its_own_sigmas(monkeypatch) -> None:
+    class Estimator:
+        def __init__(self, size: tuple[int, int]) -> None:
+            assert size == SMALL.size
+            self.added: list[TrackedFrame] = []
+
+        def add(self, tracked: TrackedFrame) -> None:
+            self.added.append(tracked)
+
+        @property
+        def estimate(self) -> SimpleNamespace | None:
+            assert [tracked.frame.index for tracked in self.added] == [0, 1, 2]
+            assert all(tracked.marker is not None for tracked in self.added)
+            return said
+
+    monkeypatch.setattr(focal, "FocalEstimator", Estimator)
+    said: SimpleNamespace | None = SimpleNamespace(focal_px=0.98 * SMALL.K[0, 0], sigma_px=0.01 * SMALL.K[0, 0])
+    percent, sigmas = focal.focal_figures(BALANCED.tracking, 3)
+    assert (percent.ours, sigmas.ours) == pytest.approx((2.0, 2.0))
+    assert (percent.unit, percent.is_met, sigmas.is_met) == ("%", True, True)
+    said = None
+    assert [(figure.ours, figure.is_met) for figure in focal.focal_figures(BALANCED.tracking, 3)] == [(None, False)] * 2
 
 
 def test_a_figure_is_met_within_its_bounds() -> None:

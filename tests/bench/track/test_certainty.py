@@ -5,12 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.bench.track.certainty import SeenMarker, certainty_figures, fitted
+from ashe_live.bench.track.certainty import SeenMarker, certainty_figures, fitted, look_at
+from ashe_live.bench.track.measures import turn_deg
 from ashe_live.bench.track.takes import SIDE_M, SMALL, pose_at
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
+from ashe_live.quality import BALANCED
 from ashe_live.tracking.edges.corner_errors import FITTED
 from ashe_live.tracking.edges.squares import FittedSquare
+from tests.shipped_scenes import CASES, LIT
 
 
 def seen_with(sigma_px: float, stated_px: float, count: int = 60) -> list[SeenMarker]:
@@ -42,6 +45,21 @@ def test_the_fit_finds_the_errors_that_were_put_in() -> None:
     stated = ("curl", "bleed_share", "bleed_px", "bleed_half_px")
     found = fitted(seen_with(0.1, 0.005, 12), replace(FITTED, end_px=0.05, weight=50.0), stated)
     assert found.end_px == pytest.approx(0.1, rel=0.4)
+
+
+def test_markers_are_seen_where_they_are_in_pictures_that_name_them() -> None:
+    cases = [CASES[name] for name in LIT[:2]]
+    unnamed = replace(cases[0], marker_spec=None)
+    absent = replace(cases[0], marker_spec="aruco:4x4_50:49")
+    seen = look_at([cases[0], unnamed, absent, cases[1]], BALANCED.tracking)
+    assert [one is None for one in seen] == [False, True, False]
+    for one, case in zip((seen[0], seen[2]), cases, strict=True):
+        assert one is not None
+        np.testing.assert_array_equal(one.truth, case.marker.T_cam_marker)
+        pose = one.pose(FITTED)
+        assert pose is not None
+        assert turn_deg(pose.T_cam_marker, one.truth) < 1
+        assert pose.T_cam_marker[:3, 3] == pytest.approx(one.truth[:3, 3], rel=0.02, abs=0.005)
 
 
 def test_what_is_not_found_is_counted() -> None:

@@ -2,15 +2,16 @@
 
 import json
 import math
+import subprocess
 from itertools import pairwise
 
 import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.loops import StageTimes
 from ashe_live.bench.viewer import starts
 from ashe_live.bench.viewer.bench import ViewerBench
+from ashe_live.bench.viewer.starts import ViewerStart
 from ashe_live.capture.clips.known_clip import KnownClip, read_known_clip
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.camera import Camera
@@ -20,6 +21,7 @@ from ashe_live.core.transforms import project, rigid
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.quality import FAST
 from ashe_live.tracking.families.markers import parse_marker
+from tests.bench.fake_clock import FakeClock
 
 SIZE = (320, 240)
 SPEC, SIDE_M = "aruco:4x4_50:0", 0.08
@@ -95,12 +97,21 @@ def test_a_start_that_hangs_has_no_time_and_costs_no_other_figure(clip, monkeypa
     assert starts.time_start(clip, "fast", 1, "--headless") is None
 
 
-def test_a_whole_is_the_sum_of_its_stages_frame_by_frame():
-    times = StageTimes()
-    times.wall_ms.update(a=[1.0, 10.0], b=[2.0, 20.0], apart=[5.0, 5.0])
-    times.cpu_ms.update(a=[1.0, 1.0], b=[1.0, 1.0], apart=[1.0, 1.0])
-    times.sum_up(("a", "b"))
-    assert times.wall_ms["whole"] == [3.0, 30.0]
+def test_a_start_is_the_shortest_of_several_by_the_clock_and_by_the_processor(clip, monkeypatch):
+    clock, taken_s = FakeClock(), iter((3.0, 2.0, 4.0))
+    clock.install(monkeypatch, "ashe_live.bench.viewer.starts")
+    monkeypatch.setattr(starts, "_childrens_cpu_s", clock.cpu_s)
+    status = 0
+
+    def run(command, **_):
+        assert command[-1] == "--headless"
+        clock.work(1e3 * next(taken_s))
+        return subprocess.CompletedProcess(command, status)
+
+    monkeypatch.setattr(starts.subprocess, "run", run)
+    assert starts.time_start(clip, "fast", 3, "--headless") == ViewerStart(pytest.approx(2.0), pytest.approx(1.0))
+    status, taken_s = 2, iter((1.0,))
+    assert starts.time_start(clip, "fast", 1, "--headless") is None, "what failed was no start"
 
 
 def test_the_truth_beside_a_clip_is_read_in_the_programs_terms(tmp_path):

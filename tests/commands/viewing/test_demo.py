@@ -54,6 +54,26 @@ def test_what_was_recorded_in_a_window_is_shown_again_without_text(run, instant,
     assert np.abs(pairs[0][0] - pairs[0][1])[:40, :200].mean() < 2.5, "where text would be"
 
 
+def test_in_a_window_the_clip_begins_again_and_what_is_opened_later_may_show_any_marker(run, tmp_path, monkeypatch):
+    setups = []
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(demo, "has_display", lambda: True)
+    monkeypatch.setattr(demo, "show_in_window", lambda setup: setups.append(setup) or 3)
+    assert run("demo").status == 3
+    (setup,) = setups
+    clip, options = shipped_clip(), setup.options
+    assert (options.loop, options.headless, options.takes_any_marker) == (True, False, True)
+    assert (options.marker, options.marker_size) == (clip.marker_spec, clip.marker_side_m)
+    assert setup.shows_light
+    np.testing.assert_array_equal(setup.true_to_light_marker, clip.to_light_marker)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_models_for_other_markers_alone_do_not_make_one_of_these_the_clips(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert "no model is for" in run("demo", "--headless", "--model", "3=mug").refusal
+
+
 @pytest.mark.parametrize("flags", [("--out", "own.mp4"), ("--out", "new.mp4", "--report", "linked.mp4")], ids=" ".join)
 def test_the_clip_that_is_played_is_not_replaced(run, instant, tmp_path, monkeypatch, flags):  # noqa: ARG001
     shipped = shipped_clip()

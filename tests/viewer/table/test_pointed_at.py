@@ -8,7 +8,7 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners
-from ashe_live.core.transforms import project, rigid, transform_points
+from ashe_live.core.transforms import project, raycast_to_plane, rigid, transform_points
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement, placed_on_marker
@@ -47,6 +47,22 @@ def test_beside_all_of_them_it_is_the_nearest(models) -> None:
     assert model_at((0.7 * first + 0.3 * second, row), TRACKED, models) == 0
     assert model_at((639.0, 479.0), TRACKED, models) == 1
     assert model_at((third - 60, 0.0), TRACKED, models) == 2
+
+
+@pytest.mark.parametrize("outwards", [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
+def test_it_is_the_one_whose_outline_is_nearer_and_not_that_whose_middle_is(models, outwards) -> None:
+    """Three pixels beside a large one, of which the middle is farther than that of a small one that stands apart."""
+    cube, large = models[0][0], Placement(2.5)
+    half = 0.5 * SIDE_M
+    corners = [(x, y, z) for x in (-half, half) for y in (-half, half) for z in (0.0, SIDE_M)]
+    seen = project(CAMERA, T, transform_points(large.marker_from_placed, corners))
+    lower, upper = seen.min(axis=0), seen.max(axis=0)
+    at = (lower + upper) / 2 + np.array(outwards) * ((upper - lower) / 2 + 3)
+    ((x, y, _),) = raycast_to_plane(CAMERA, T, (at + 35 * np.array(outwards))[None])
+    small = Placement(0.15, 0.0, (float(x), float(y)))
+    for order in ((large, small), (small, large)):
+        found = model_at((float(at[0]), float(at[1])), TRACKED, [(cube, place) for place in order])
+        assert found == order.index(large)
 
 
 def test_of_one_within_another_it_is_that_whose_middle_is_nearer(models) -> None:

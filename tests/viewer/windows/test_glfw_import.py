@@ -1,4 +1,4 @@
-"""GLFW is loaded by a package that starts a process to look for its library."""
+"""GLFW is loaded by a package that has a library for each kind of display, and starts a process to look for it."""
 
 import importlib
 import signal
@@ -6,6 +6,8 @@ import sys
 from importlib.machinery import ModuleSpec
 
 import pytest
+
+from ashe_live.viewer.windows.glfw_library import variant
 
 
 class Looked:
@@ -33,3 +35,17 @@ def test_ctrl_c_does_not_reach_the_process_that_its_package_starts(monkeypatch: 
     assert signal.SIGINT not in looked.blocked[module]
     assert signal.SIGINT in looked.blocked["glfw"]
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+
+
+@pytest.mark.parametrize(
+    ("displays", "library"),
+    [
+        ({"DISPLAY": ":1"}, "x11"),
+        ({"WAYLAND_DISPLAY": "wayland-0"}, "wayland"),
+        ({"DISPLAY": ":1", "WAYLAND_DISPLAY": ""}, "x11"),
+        ({"DISPLAY": ":1", "WAYLAND_DISPLAY": "wayland-0"}, None),
+        ({}, None),
+    ],
+)
+def test_its_library_is_that_of_the_only_display(displays: dict[str, str], library: str | None) -> None:
+    assert variant({"XDG_SESSION_TYPE": "tty", **displays}) == library
