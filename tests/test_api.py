@@ -380,6 +380,15 @@ def test_wrong_use_of_a_renderer_names_the_argument(argument, values):
         assert renderer.render(**right).shape == (48, 64, 3), "nothing of it is left"
 
 
+def test_a_model_that_is_not_there_is_named_before_any_marker_is_seen():
+    assert TRACKED.marker is None
+    with al.Renderer((64, 48)) as renderer:
+        no_name = "no model 'mgu'"
+        for name, said in (("mgu", no_name), ("mug.obj", "no file mug.obj"), (["cube", "mgu"], no_name)):
+            with pytest.raises(al.UserError, match=said):
+                renderer.render(TRACKED, name)
+
+
 def test_a_renderer_is_for_its_own_thread_and_process_and_until_it_is_released():
     renderer = al.Renderer((64, 48))
     with ThreadPoolExecutor(1) as others, pytest.raises(ValueError, match="thread"):
