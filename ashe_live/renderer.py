@@ -19,6 +19,7 @@ from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import MOST_MODELS, model_file
 from ashe_live.models.placement import PlacedModel, Placement
 from ashe_live.models.reading import read_model
+from ashe_live.process.signals import signals_held
 from ashe_live.quality import quality_named
 from ashe_live.render.beside import FirstPlaces, first_places
 
@@ -29,6 +30,7 @@ Standing = Name | tuple[Name, Placement]  # a model, by itself or moved from whe
 class Renderer:
     """Draws models into pictures, without a window. For use by the thread that made it; a context manager.
 
+    What signals raise, as Ctrl-C does or a notebook's button, waits until the picture is drawn.
     Elsewhere, in a forked process, and after `release`, its methods raise ValueError: OpenGL would hang or crash there.
     """
 
@@ -115,7 +117,8 @@ class Renderer:
         if placed:
             (first, placement), *others = placed
             scene = replace(scene, model=first, placement=placement, others=tuple(others))
-        with self._context:
+        # What is half drawn, or half prepared, would be taken for whole the next time.
+        with signals_held(), self._context:
             self._renderer.render(scene)
             return self._renderer.read_bgra() if is_cut_out else self._renderer.read_bgr()
 
@@ -124,10 +127,11 @@ class Renderer:
         if self._is_released:
             return
         self._check_usable()
-        self._is_released = True
-        with self._context:
-            self._renderer.release()
-        self._context.release()
+        with signals_held():
+            self._is_released = True
+            with self._context:
+                self._renderer.release()
+            self._context.release()
 
     def __enter__(self) -> Self:
         return self
