@@ -3,7 +3,7 @@
 import os
 import threading
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any, Self
 
@@ -14,10 +14,12 @@ from ashe_live.core.light import Illumination, Light
 from ashe_live.core.ranges import DRAWN, TIME
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import ModelWarning
+from ashe_live.files.reading import opened
 from ashe_live.models.assembly.up import UPS
-from ashe_live.models.catalogue import MOST_MODELS
+from ashe_live.models.catalogue import MOST_MODELS, model_file
 from ashe_live.models.placement import PlacedModel, Placement
 from ashe_live.models.reading import read_model
+from ashe_live.process.signals import signals_held
 from ashe_live.quality import quality_named
 from ashe_live.render.beside import FirstPlaces, first_places
 
@@ -28,6 +30,7 @@ Standing = Name | tuple[Name, Placement]  # a model, by itself or moved from whe
 class Renderer:
     """Draws models into pictures, without a window. For use by the thread that made it; a context manager.
 
+    What signals raise, as Ctrl-C does or a notebook's button, waits until the picture is drawn.
     Elsewhere, in a forked process, and after `release`, its methods raise ValueError: OpenGL would hang or crash there.
     """
 
@@ -49,6 +52,7 @@ class Renderer:
         self._context = offscreen_context()
         with self._context:
             self._renderer = SceneRenderer(self._context, preset, size)
+        self._there: set[str] = set()  # names of models that have a file
         self._placed: dict[tuple[str, float, str | None], PlacedModel] = {}
         self._places = FirstPlaces()
         self._chosen_for: tuple[Light | None, bool] | None = None  # light, and whether there is a body that is seen
@@ -97,6 +101,7 @@ class Renderer:
             arguments.instance(illumination, Illumination, "illumination")
         if up is not None:
             arguments.one_of(up, UPS, "up")
+        self._check_there(name for name, _ in standing)
         self._follow(tracked.frame)
         placed: list[tuple[PlacedModel, Placement]] = []
         if tracked.marker is not None:
@@ -112,7 +117,8 @@ class Renderer:
         if placed:
             (first, placement), *others = placed
             scene = replace(scene, model=first, placement=placement, others=tuple(others))
-        with self._context:
+        # What is half drawn, or half prepared, would be taken for whole the next time.
+        with signals_held(), self._context:
             self._renderer.render(scene)
             return self._renderer.read_bgra() if is_cut_out else self._renderer.read_bgr()
 
@@ -121,10 +127,11 @@ class Renderer:
         if self._is_released:
             return
         self._check_usable()
-        self._is_released = True
-        with self._context:
-            self._renderer.release()
-        self._context.release()
+        with signals_held():
+            self._is_released = True
+            with self._context:
+                self._renderer.release()
+            self._context.release()
 
     def __enter__(self) -> Self:
         return self
@@ -152,6 +159,13 @@ class Renderer:
         if self._chosen_for is None or self._chosen_for[0] is not light or self._chosen_for[1] != has_body:
             self._places, self._chosen_for = first_places(tracked, light, hides_marker), (light, has_body)
         return self._places
+
+    def _check_there(self, names: Iterable[str]) -> None:
+        """Raises UserError for a model without a file, also in a frame without a marker, for which none is read."""
+        for name in names:
+            if name not in self._there:
+                opened(model_file(name)).close()
+                self._there.add(name)
 
     def _model(self, name: str, side_m: float, up: str | None) -> PlacedModel:
         """The same object again for the same name: it is uploaded once."""

@@ -6,6 +6,7 @@ import os
 import pickle
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -20,6 +21,7 @@ import pytest
 import ashe_live as al
 from ashe_live.core.transforms import angle_between, direction_from_angles
 from ashe_live.render.beside import first_places
+from ashe_live.render.occlusion.contact import ContactPatch
 from tests.checkout import CHECKOUT
 from tests.conftest import box_corners
 from tests.painted_cubes import CAMERA as CUBE_CAMERA
@@ -378,6 +380,35 @@ def test_wrong_use_of_a_renderer_names_the_argument(argument, values):
             with pytest.raises((TypeError, ValueError), match=rf"\b{argument}\b"):
                 renderer.render(**{**right, argument: value})
         assert renderer.render(**right).shape == (48, 64, 3), "nothing of it is left"
+
+
+def test_a_model_that_is_not_there_is_named_before_any_marker_is_seen():
+    assert TRACKED.marker is None
+    with al.Renderer((64, 48)) as renderer:
+        no_name = "no model 'mgu'"
+        for name, said in (("mgu", no_name), ("mug.obj", "no file mug.obj"), (["cube", "mgu"], no_name)):
+            with pytest.raises(al.UserError, match=said):
+                renderer.render(TRACKED, name)
+
+
+def test_a_picture_that_is_interrupted_does_not_spoil_the_next(ran, monkeypatch):
+    """As by Ctrl-C, or by a notebook's button, while a model is prepared for being drawn."""
+    tracked, add = ran["tracked"], ContactPatch.add
+
+    def interrupted(patch: ContactPatch, *arguments: object) -> object:
+        signal.raise_signal(signal.SIGINT)
+        return add(patch, *arguments)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # not ignored, as in a shell's background job
+    try:
+        with al.Renderer((320, 240), "fast") as renderer, al.Renderer((320, 240), "fast") as fresh:
+            with monkeypatch.context() as patched:
+                patched.setattr(ContactPatch, "add", interrupted)
+                with pytest.raises(KeyboardInterrupt):
+                    renderer.render(tracked, "mug")
+            np.testing.assert_array_equal(renderer.render(tracked, "mug"), fresh.render(tracked, "mug"))
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_a_renderer_is_for_its_own_thread_and_process_and_until_it_is_released():

@@ -60,7 +60,7 @@ ROOMS: dict[str, set[str]] = {
         "light.live", "drawing", "process", "render",
     },
     "api": {"quality", "core", "models", "capture", "tracking", "light.estimators", "light.live"},
-    "renderer": {"quality", "core", "errors", "models", "render"},
+    "renderer": {"quality", "core", "errors", "files", "models", "process", "render"},
     "": {"core", "errors", "models", "capture", "render", "api", "renderer"},  # `import ashe_live` itself
     "bench": {"core", "errors", "files", "capture", "tracking", "render", "viewer", "process"},
     "bench.light": {

@@ -16,6 +16,7 @@ from ashe_live.files.writing import write_json
 
 # How long one window waits for another, which needs a few milliseconds; the person's picture stands meanwhile.
 LONGEST_WAIT_S, LOOK_EVERY_S = 2.0, 0.005
+FOLDER = getattr(os, "O_DIRECTORY", 0)  # Windows opens none anyway
 # Where nothing is found and nothing can be written.
 NOWHERE = Path("/dev/null/ashe-live")
 
@@ -53,7 +54,7 @@ class KeptObject:
         """
         with contextlib.ExitStack() as held:
             with contextlib.suppress(OSError):
-                number = os.open(self._path.parent, os.O_RDONLY)
+                number = os.open(self._path.parent, os.O_RDONLY | FOLDER)  # a pipe in its place would be waited for
                 held.callback(os.close, number)
                 until_s = time.monotonic() + LONGEST_WAIT_S
                 while _is_locked(number) and time.monotonic() < until_s:

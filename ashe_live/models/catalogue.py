@@ -32,11 +32,19 @@ def load_model(name_or_path: str, up: str | None = None) -> Model:
 
     Raises UserError when it is neither.
     """
+    return load_model_file(model_file(name_or_path), up)
+
+
+def model_file(name_or_path: str) -> Path:
+    """The file of a shipped model by its name, or that of any by its path, which need not be there if its suffix fits.
+
+    Raises UserError for what is neither a name nor a path.
+    """
     if name_or_path in model_names():
-        return load_model_file(resource("assets", "models", f"{name_or_path}.glb"), up)
+        return resource("assets", "models", f"{name_or_path}.glb")
     path = Path(name_or_path)
     if path.suffix.lower() in SUFFIXES or os.path.exists(path):  # noqa: PTH110 - of any name, also one that is too long
-        return load_model_file(path, up)
+        return path
     raise UserError(
         f"there is no model '{name_or_path}'", f"choose one of {', '.join(model_names())}, or give a file's path"
     )

@@ -27,6 +27,7 @@ from ashe_live.viewer.stillness import Stillness
 from ashe_live.viewer.windows.window import Window
 from ashe_live.viewer.windows.x_errors import finished_if_the_display_goes
 
+OF_FIRST_SOURCE = "--estimate-at="  # the flag that counts frames of it, and so says nothing of a later one
 IDLE_S = 0.1  # the longest wait for an event, or for a frame of the source, while nothing changes
 
 
@@ -39,7 +40,7 @@ class ViewerOptions:
     recording: Recording | None = None  # one that has begun
     opener: Opener | None = None  # of later sources; None: there will be none
     takes_any_marker: bool = False  # follows the only one in view, as nobody has named another
-    flags: tuple[str, ...] = ()  # of the command line, for a command that plays the same again
+    flags: tuple[str, ...] = ()  # of the command line, as --flag=value, for a command that plays the same again
 
 
 class LiveViewer:
@@ -62,7 +63,8 @@ class LiveViewer:
         self._quit = False
         self._take_up(pipeline)
         self.followed = FollowedMarker(pipeline, session, renderer, self._announce, options.takes_any_marker)
-        self._keeper.flags = lambda: [*options.flags, *self.followed.flags]
+        self._flags = options.flags
+        self._keeper.flags = lambda: self.followed.flags(self._flags)
         self._stillness = Stillness(window.refresh_rate_hz)
         self._commands: dict[Command, Callable[[float], None]] = {
             Command.SNAPSHOT: self._keeper.snapshot,
@@ -204,6 +206,7 @@ class LiveViewer:
             return False
         self._keeper.finish(now_s)
         self._source.pipeline.close(0.0)
+        self._flags = tuple(flag for flag in self._flags if not flag.startswith(OF_FIRST_SOURCE))
         self.followed.begin_anew(opened.pipeline)
         self._session.begin_anew(opened.pipeline.is_photo)  # forgets views, of which the new one may have some by now
         self._take_up(opened.pipeline)

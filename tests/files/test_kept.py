@@ -10,6 +10,7 @@ from ashe_live import cli
 from ashe_live.commands import doctor
 from ashe_live.files import kept as kept_module
 from ashe_live.files.kept import KeptObject, configuration_file
+from ashe_live.files.new_file import lock_number
 from tests.patience import PATIENCE_S
 
 
@@ -72,6 +73,15 @@ def test_nobody_waits_where_the_file_system_has_no_locks(tmp_path: Path, monkeyp
     with kept.alone():
         kept.write({"a": 1})
     assert kept.read() == {"a": 1}
+
+
+def test_what_is_no_folder_is_neither_opened_nor_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pipe there would be waited for, and so would whoever has locked a file."""
+    monkeypatch.setattr(kept_module, "_wait", lambda: pytest.fail("waited"))
+    with (tmp_path / "ashe-live").open("wb") as taken:
+        lock_number(taken.fileno())
+        with KeptObject(tmp_path / "ashe-live" / "models.json").alone():
+            pass
 
 
 def test_without_its_folder_yet_it_is_written_too(tmp_path: Path) -> None:

@@ -105,9 +105,12 @@ class Stage:
         frame_limit: int | None = None,
         takes_any_marker: bool = False,
         recording: Recording | None = None,
+        flags: tuple[str, ...] = (),
     ) -> LiveViewer:
         self.window = ScriptedWindow(step if callable(step) else lambda step=step: step for step in steps)
-        options = ViewerOptions(quality, opener=self.opener, takes_any_marker=takes_any_marker, recording=recording)
+        options = ViewerOptions(
+            quality, opener=self.opener, takes_any_marker=takes_any_marker, recording=recording, flags=flags
+        )
         viewer = LiveViewer(self.window, self.renderer, self.pipeline, self.session, options)
         viewer.run(frame_limit)
         return viewer
@@ -380,6 +383,28 @@ def test_what_plays_every_frame_names_the_clip_as_it_was_named(stage):
     stage.run(Command.RECORD, None, lambda: stage.put(1), None, lambda: stage.put(5), None, Command.RECORD, None)
     said = "; all frames of the clip: ashe-live play 'my films/table.mp4' --model cube --headless"
     assert said in stage.session.notice.text
+
+
+@pytest.mark.parametrize("is_dropped", [False, True])
+def test_what_plays_every_frame_counts_none_of_another_clip(stage, is_dropped):
+    """The frame in which the light is estimated first is one of the clip that was named at the start."""
+    pipeline = stage.dropped if is_dropped else stage.pipeline
+    pipeline.frames.put(stage.fakes.tracked(0))
+    opened = [dropped("/far/sun.mp4"), sun_awaited(stage)] if is_dropped else [None]
+    put = [lambda index=index: pipeline.frames.put(stage.fakes.tracked(index)) for index in (1, 5)]
+    recorded = [Command.RECORD, None, put[0], None, put[1], None, Command.RECORD, None]
+    stage.run(*opened, *recorded, flags=("--estimate-at=40", "--light=sun"))
+    assert "--light=sun" in stage.session.notice.text
+    assert ("--estimate-at=40" in stage.session.notice.text) != is_dropped
+
+
+@pytest.mark.parametrize("is_watched", [False, True])
+def test_what_plays_every_frame_watches_the_light_as_it_was_watched(stage, is_watched):
+    stage.put(0)
+    watching = [Command.AUTOMATIC, None] if is_watched else []
+    put = [lambda index=index: stage.put(index) for index in (1, 5)]
+    stage.run(None, *watching, Command.RECORD, None, put[0], None, put[1], None, Command.RECORD, None)
+    assert ("--auto " in stage.session.notice.text) == is_watched
 
 
 def test_a_recording_that_found_no_room_says_that_alone(stage, tmp_path, monkeypatch):
@@ -708,7 +733,7 @@ def test_of_an_upright_picture_fields_of_view_count_along_its_height(stage):
     for high_deg, wide_deg in zip((50, 60), stage.pipeline.seen_by, strict=True):
         high = math.tan(math.radians(high_deg) / 2)
         assert wide_deg == round(math.degrees(2 * math.atan(high * 54 / 96)))
-    assert viewer.followed.flags[-1] == f"--hfov={stage.pipeline.seen_by[-1]:g}"
+    assert viewer.followed.flags([])[-1] == f"--hfov={stage.pipeline.seen_by[-1]:g}"
 
 
 @pytest.mark.usefixtures("others")

@@ -4,9 +4,10 @@ import argparse
 
 from ashe_live.commands.flags.parser import build_parser
 
-# The flags that say how a clip is looked at; those for models and outputs are written anew.
+# The flags that say how a clip is looked at; those for models and outputs are written anew. Which way models stand up
+# is among what --as-shown says: by the end, the first one may be another one.
 KEPT = (
-    *("--marker-size", "--caster", "--camera-file", "--focal-px", "--hfov", "--up"),
+    *("--marker-size", "--caster", "--camera-file", "--focal-px", "--hfov"),
     *("--estimate-at", "--quality", "--estimator", "--light"),
 )
 

@@ -14,8 +14,9 @@ from ashe_live.core.light import Illumination, Light
 from ashe_live.core.ranges import INDEX, SHARE, SHIFT, Range
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
-from ashe_live.models.assembly.up import UPS
+from ashe_live.models.assembly.up import UPS, Y_UP
 from ashe_live.models.catalogue import MOST_MODELS
+from ashe_live.models.loading import GLTF_SUFFIXES
 from ashe_live.models.placement import UNMOVED, Placement
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.table.shelf import Shelf
@@ -55,7 +56,9 @@ class Shown:
 def _is_turned_up(stand: Stand) -> bool:
     """Whether somebody said which axis is up, so that a later run may show another one."""
     model = stand.model.model
-    return model.up != UPS[0] and not model.is_up_guessed
+    # Of these kinds of files it is known without a word; a shipped model's name has no suffix.
+    is_known = Path(stand.name).suffix.lower() in ("", *GLTF_SUFFIXES)
+    return not (model.is_up_guessed or (is_known and model.up == Y_UP))
 
 
 def shown_now(session: Session) -> Shown:

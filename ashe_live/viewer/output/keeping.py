@@ -149,7 +149,7 @@ class Keeper:
         words = ["demo"] if is_demo else ["play", str(clip)]
         for chosen in self._session.arrangement.chosen:
             words += ["--model", chosen.name if chosen.marker is None else f"{chosen.marker}={chosen.name}"]
-        words += self.flags()
+        words += [*self.flags(), *(["--auto"] if self._session.automatic else [])]
         if is_demo or not as_shown.is_plain:  # without the file the demo would draw its text into the picture
             try:
                 path = write_json(unused(recorded.with_suffix(".json")), as_shown.to_json(), beside=True)

@@ -1,14 +1,15 @@
 """Which marker is followed, and with what field of view: found, offered, and chosen by keys."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from ashe_live.core.camera import Camera, Size
 from ashe_live.render.renderer import SceneRenderer
-from ashe_live.tracking.families.layout import in_words
+from ashe_live.tracking.families.layout import in_words, is_of_cube
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.marker_hunt import MarkerHunt
 from ashe_live.viewer.sources.pipeline import Pipeline
 
+CAMERA_FLAGS = ("--camera-file", "--focal-px", "--hfov")  # of which a command takes one
 FIELDS_OF_VIEW_DEG = (50.0, 60.0, 70.0, 80.0)  # of webcams and phones, across the longer side of their pictures
 
 
@@ -41,13 +42,20 @@ class FollowedMarker:
         self._fov_deg: float | None = None  # a person's choice of FIELDS_OF_VIEW_DEG
         self._size: Size | None = None  # of the last picture
 
-    @property
-    def flags(self) -> list[str]:
-        """The flags that make the same choices from the start, for a clip or photo whose marker is not known anyway."""
+    def flags(self, given: Sequence[str]) -> list[str]:
+        """The flags that make the same choices from the start: those `given`, as --flag=value, and what replaces some.
+
+        Nothing replaces them for a clip whose marker is known anyway.
+        """
         if not self._pipeline.may_follow_others:
-            return []
-        seen_by = [] if self._hfov_deg is None else [f"--hfov={self._hfov_deg:g}"]
-        return [f"--marker={self._pipeline.marker}", *seen_by]
+            return [*given]
+        chosen, replaced = [f"--marker={self._pipeline.marker}"], ["--marker"]
+        if self._hfov_deg is not None:
+            chosen.append(f"--hfov={self._hfov_deg:g}")
+            replaced += CAMERA_FLAGS
+        if is_of_cube(self._pipeline.marker):  # which casts the shadow itself
+            replaced.append("--caster")
+        return [*(flag for flag in given if flag.partition("=")[0] not in replaced), *chosen]
 
     @property
     def _hfov_deg(self) -> float | None:

@@ -78,10 +78,11 @@ def handle_x_errors() -> None:
 def _end(_display: int) -> int:
     """Ends the process, as Xlib would once this has returned; no call of X may be made any more."""
     try:
-        print_message(DISPLAY_LOST)
-        for finish in reversed([*_endings]):  # which they leave
-            finish()
-        sys.stdout.flush()
+        with contextlib.ExitStack() as endings:  # which calls each of them, the last first, also where another fails
+            endings.callback(sys.stdout.flush)
+            for finish in _endings:
+                endings.callback(finish)
+            print_message(DISPLAY_LOST)
     except BaseException:
         traceback.print_exc()
     finally:

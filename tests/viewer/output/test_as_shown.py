@@ -15,6 +15,7 @@ import pytest
 from ashe_live.core.contract import SCHEMA
 from ashe_live.core.light import Illumination, Light
 from ashe_live.errors import UserError
+from ashe_live.files.resources import resource
 from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import Placement
@@ -149,6 +150,19 @@ def test_what_a_command_shows_anyhow_is_plain(begun) -> None:
     window.hand.placement = Placement(turn_rad=math.radians(5))
     as_shown.add(2, shown_now(window))
     assert not as_shown.is_plain
+
+
+@pytest.mark.parametrize("up", [None, "y", "z"])
+def test_an_axis_that_a_person_has_named_is_not_plain(fakes, tmp_path: Path, up: str | None) -> None:
+    """No flag of the command says it; without a word, "y" is what a glTF says itself, and of an OBJ a guess."""
+    text = tmp_path / "tile.obj"
+    text.write_text("v 0 0 0\nv 2 0 0\nv 0 1 3\nf 1 2 3\n")
+    binary = tmp_path / "mug.glb"
+    binary.write_bytes(resource("assets", "models", "mug.glb").read_bytes())
+    for file, is_plain in ((text, up is None), (binary, up != "z")):
+        session, as_shown = Session(Shelf(str(file), 0.08, up), fakes.Worker(), FirstEstimate()), AsShown()
+        as_shown.add(0, shown_now(session))
+        assert as_shown.is_plain == is_plain, file
 
 
 def moved(window: Session) -> None:

@@ -75,7 +75,7 @@ def test_the_only_one_in_view_is_followed_where_nobody_named_any(make, fakes, ta
     assert len(stage.announced) == takes_any_marker
     if takes_any_marker:
         assert stage.announced == ["aruco:4x4_50:7 is followed now: --marker aruco:4x4_50:7 names it from the start"]
-        assert stage.followed.flags == [f"--marker={SEVEN}"]
+        assert stage.followed.flags([]) == [f"--marker={SEVEN}"]
     else:
         stage.followed.follow_other(0.1)
         assert stage.pipeline.followed == [SEVEN]
@@ -144,7 +144,11 @@ def test_the_demo_keeps_its_marker_and_its_camera(make, fakes):
     assert "there is no other to follow" in stage.session.notice.text
     stage.followed.next_field_of_view(0.1)
     assert "field of view" in stage.session.notice.text
-    assert (stage.pipeline.followed, stage.pipeline.seen_by, stage.followed.flags) == ([], [], [])
+    assert (stage.pipeline.followed, stage.pipeline.seen_by, stage.followed.flags(["--hfov=71"])) == (
+        [],
+        [],
+        ["--hfov=71"],
+    )
 
 
 def test_fields_of_view_go_round_and_the_flags_say_the_present_one(make, fakes):
@@ -155,11 +159,33 @@ def test_fields_of_view_go_round_and_the_flags_say_the_present_one(make, fakes):
     seen = []
     for _ in range(len(FIELDS_OF_VIEW_DEG) + 2):
         stage.followed.next_field_of_view(0.0)
-        seen.append(stage.followed.flags[1:])
+        seen.append(stage.followed.flags([])[1:])
     assert stage.pipeline.seen_by == [*FIELDS_OF_VIEW_DEG, None, FIELDS_OF_VIEW_DEG[0]]
     assert seen == [*([f"--hfov={deg:g}"] for deg in FIELDS_OF_VIEW_DEG), [], ["--hfov=50"]]
     assert stage.announced[0] == "the field of view is taken for 50° now: --hfov 50 sets this from the start, G goes on"
     assert stage.announced[4] == "the field of view is as it was at the start"
+
+
+@pytest.mark.parametrize("camera", ["--camera-file=camera.json", "--focal-px=700.0", "--hfov=71"])
+def test_a_chosen_field_of_view_takes_the_place_of_the_camera_that_was_given(make, fakes, camera):
+    """A command takes one of these flags."""
+    stage = make()
+    given = ["--no-filter", "--marker-size=0.15", camera]
+    stage.session.take(fakes.tracked(0), 0.0)
+    assert stage.followed.flags(given) == [*given, f"--marker={ZERO}"]
+    stage.followed.next_field_of_view(0.0)
+    assert stage.followed.flags(given) == [*given[:2], f"--marker={ZERO}", f"--hfov={FIELDS_OF_VIEW_DEG[0]:g}"]
+
+
+def test_beside_a_paper_cube_that_is_followed_now_no_caster_is_named(make, fakes):
+    """A command refuses both."""
+    stage = make()
+    given = ["--caster=box:0.06x0.04x0.12"]
+    stage.session.take(fakes.tracked(0, has_marker=False), 0.0)
+    assert stage.followed.flags(given) == [*given, f"--marker={ZERO}"]
+    stage.finds = ("cube",)
+    stage.followed.look(0.0)
+    assert stage.followed.flags(given) == ["--marker=cube"]
 
 
 def test_of_an_upright_picture_they_count_along_its_height(make):
@@ -180,6 +206,6 @@ def test_another_source_begins_without_the_choices_for_the_last(make, fakes):
     later = FakePipeline(marker=THREE)
     stage.followed.begin_anew(later)
     assert stage.session.arrangement.followed == THREE
-    assert stage.followed.flags == [f"--marker={THREE}"]
+    assert stage.followed.flags([]) == [f"--marker={THREE}"]
     stage.followed.follow_other(1.0)
     assert later.followed == [], "what was in view of the last source is not in view of this one"
