@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,9 +28,12 @@ class ProxyMesh:
         set_frozen(self, points_marker=points, triangles=frozen_view(triangles))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Proxy:
-    """The real object's stand-in: the convex hull of upright spheroids (a point, a disc, a ball are special cases)."""
+    """The real object's stand-in: the convex hull of upright spheroids (a point, a disc, a ball are special cases).
+
+    Where it stands and how high it is, is computed once.
+    """
 
     family: str  # the kind of body that was fitted, e.g. box; "silhouettes": their hull, in several views
     spheroids_marker: Float  # (k, 5) centre x, y, z, horizontal radius, half height; metres, marker frame
@@ -41,12 +44,12 @@ class Proxy:
         if self.mesh is not None:
             arguments.instance(self.mesh, ProxyMesh, "mesh")
 
-    @property
+    @cached_property
     def foot_marker(self) -> Float:
         """(3,) the point on the ground below the middle of the spheroids' centres, marker frame, metres."""
-        return np.array([*self.spheroids_marker[:, :2].mean(axis=0), 0.0])
+        return frozen_view(np.array([*self.spheroids_marker[:, :2].mean(axis=0), 0.0]))
 
-    @property
+    @cached_property
     def height_m(self) -> float:
         """Metres of its highest point above the marker's plane."""
         return float((self.spheroids_marker[:, 2] + self.spheroids_marker[:, 4]).max())

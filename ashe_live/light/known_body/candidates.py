@@ -190,7 +190,7 @@ def _nearby(seen: Seen, template: Float, beside: MarginalLikelihood) -> _Start:
     """The likeliest light around a template (4,)."""
     s = template[:2] / template[2]
     for offsets in (AROUND, ALONG):
-        length = max(float(np.hypot(*s)), 1e-9)
+        length = max(math.hypot(*s), 1e-9)
         around = s + (0.5 + length) * offsets @ (np.array([s, (-s[1], s[0])]) / length)
         lights = at_infinity(np.column_stack([around, np.ones(len(around))]))
         scan = beside.scanned(seen.lit(lights))
@@ -209,6 +209,6 @@ def mean_near(templates: Templates, score: Float, darkenings: Float, light: Floa
     mean = np.append(mean / mean[2], 0.0)
     away = templates.lights[near, :2] / templates.lights[near, 2:3] - mean[:2]
     # No finer than the templates lie.
-    apart = TEMPLATES_APART * (1 + float(np.hypot(*mean[:2])))
+    apart = TEMPLATES_APART * (1 + math.hypot(*mean[:2]))
     covariance = (weight[:, None] * away).T @ away + apart**2 * np.eye(2)
     return FoundLight(mean, covariance, None, float(weight @ darkenings[near]))

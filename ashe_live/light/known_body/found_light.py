@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -96,7 +96,7 @@ def image_beside(seen: Seen, others: Sequence[FoundLight]) -> EdgeImage:
             penumbra_px = other.size_rad * upper_quantile(edges.by_size, 0.9)
             broad_px = OTHER_EDGE_PX + OTHER_PENUMBRA * penumbra_px
             room = room.beside_shadow(edges.corners_px, broad_px, other.darkening)
-    return EdgeImage(seen.body, seen.view, seen.light, room)
+    return seen.edge_image if room is seen.room else replace(seen.edge_image, room=room)
 
 
 def darkenings_rgb(seen: Seen, found: Sequence[FoundLight], least_size_rad: float = 0.0) -> Float:

@@ -6,7 +6,7 @@ where one would be seen.
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
@@ -141,10 +141,11 @@ def _all_on(mask: Mask, places: Float32) -> Mask:
     return np.asarray((_read(mask.view(np.uint8), places, cv2.INTER_NEAREST) > 0).all(axis=0))
 
 
-def _read(picture: Float32 | NDArray[np.uint8], places: Float32, interpolation: int) -> Float32:
+def _read(picture: Float32 | NDArray[np.uint8], places: Float32, interpolation: int) -> NDArray[Any]:
     """(j, m, k) what a picture (h, w) shows at places (j, m, k, 2); 0 outside of it."""
-    x, y = cv2.split(places.reshape(-1, *places.shape[2:]))
-    return np.asarray(cv2.remap(picture, x, y, interpolation), dtype=np.float32).reshape(places.shape[:3])
+    rows = places.reshape(-1, *places.shape[2:])
+    seen = cv2.remap(picture, rows, None, interpolation)  # type: ignore[call-overload]  # cv2's stub wants two maps
+    return np.asarray(seen).reshape(places.shape[:3])
 
 
 def _in_picture(cells: Float32, pixel_from_cell: Float) -> Float32:

@@ -12,6 +12,7 @@ from ashe_live.core.transforms import camera_centre
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.observed import Lit, Observed
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
+from ashe_live.light.known_body.outline.profiles import EdgeImage
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.outline.texture import without_texture
 from ashe_live.light.known_body.rims import Beside, RimSteps
@@ -191,6 +192,11 @@ class Seen:
                 outline = np.round(edges.corners_px.clip(-FARTHEST_PX, FARTHEST_PX)).astype(np.int32)
                 cv2.polylines(is_away, [outline], True, 0, EDGE_BROAD_PX)
         return is_away.view(bool)
+
+    @cached_property
+    def edge_image(self) -> EdgeImage:
+        """In which edges are seen wherever the table is, as long as no light is known."""
+        return EdgeImage(self.body, self.view, self.light, self.room)
 
     @cached_by_array
     def shadow_edges(self, light: Float) -> ShadowEdges | None:

@@ -3,6 +3,7 @@
 They depend on the body's shape alone, in units of its height, so that they are made once for all cubes.
 """
 
+import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -52,7 +53,7 @@ class Templates:
         if eye[2] <= 0:
             return self
         s = eye[:2] / eye[2]
-        length = max(float(np.hypot(*s)), 1e-9)
+        length = max(math.hypot(*s), 1e-9)
         grid = BEHIND[:, None, None] * s + (1 + length) * BEHIND_ASIDE[:, None] * np.array([-s[1], s[0]]) / length
         further = np.column_stack([grid.reshape(-1, 2), np.ones(grid.size // 2)])
         lengths = np.linalg.norm(further, axis=1)
@@ -70,7 +71,7 @@ class Templates:
 def _are_behind(lights: Float, s: Float) -> Mask:
     """(m,) which lights (m, 4) lie in the cells of those behind a camera at the displacement `s` (2,) from the foot."""
     displacements = lights[:, :2] / lights[:, 2:3]
-    length = max(float(np.hypot(*s)), 1e-9)
+    length = max(math.hypot(*s), 1e-9)
     along, aside = displacements @ s / length**2, displacements @ np.array([-s[1], s[0]]) / (length * (1 + length))
     is_along = np.abs(along - BEHIND.mean()) < 0.5 * BEHIND_STEP * len(BEHIND)
     are_behind: Mask = is_along & (np.abs(aside) < 0.5 * ASIDE_STEP * len(BEHIND_ASIDE))

@@ -60,7 +60,7 @@ class Body:
         spheroids[:, 3:] = np.abs(spheroids[:, 3:])  # radii enter squared, so their signs have no meaning
         return spheroids
 
-    @property
+    @cached_property
     def height(self) -> float:
         """Of its highest point, in the body frame."""
         return float((self.spheroids[:, 2] + self.spheroids[:, 4]).max())
@@ -94,7 +94,7 @@ class LitBody:
     def layout(self) -> ParameterLayout:
         return ParameterLayout(len(self.lights))
 
-    @property
+    @cached_property
     def lights_in_body_frame(self) -> Float:
         """(l, 4) the lights in the body frame."""
         return self.body.frame.lights(self.lights)

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, once_for_each
 from ashe_live.core.camera import Camera
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import BodyFrame
@@ -31,6 +31,7 @@ class Sight:
         P[:2] -= self.centre_px[:, None] * P[2]
         return np.asarray(P)
 
+    @once_for_each
     def P(self, frame: BodyFrame) -> Float:
         """(3, 4) projection from a body frame to pixels about `centre_px`."""
         P = self.P_marker

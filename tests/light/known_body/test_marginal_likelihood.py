@@ -16,7 +16,7 @@ from ashe_live.tracking.cube.faces import CORNERS
 from tests.painted_cubes import sun
 
 NOTHING = np.empty(0)
-NO_SIDES = Sides(np.empty((0, 3)), np.empty((0, 3)), np.zeros(3), NOTHING, NOTHING, NOTHING, np.empty(0, bool), NOTHING)
+NO_SIDES = Sides(np.empty((0, 3)), np.empty((0, 3)), np.zeros(3), *[NOTHING] * 4, np.empty(0, bool), NOTHING)
 RNG_SEED = 4
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Mask, once_for_each
 from ashe_live.light.known_body.outline.edges import ShadowEdges
 from ashe_live.light.known_body.outline.profiles import LEAST_PX, POINTS_A_SAMPLE, EdgeImage, Profiles
 
@@ -27,7 +27,7 @@ LEAST_SHOWN = 0.1  # mean weight of a side's visible places, below which its edg
 LEAST_SIGMA_PX = 0.1  # of the edges' misfit, however small it is
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ShadowFit:
     """A light whose shadow's edges were moved onto those in the picture."""
 
@@ -39,6 +39,7 @@ class ShadowFit:
     clear: float  # of the outline's points that could be seen, the part with a step as deep as the shadow
     seen: float  # part of the outline's points that could be seen
 
+    @once_for_each
     def profiles_in(self, image: EdgeImage) -> Profiles | None:
         """Across the edges of its shadow; None where it has none in the picture."""
         edges = image.edges(self.light)
@@ -104,7 +105,7 @@ def prior_of(light: Float, height: float, with_nearness: bool) -> tuple[Float, F
     nearness.
     """
     end = light[:2] / (1 - height * light[3])
-    sigma = (LAMP_START_SIGMA if with_nearness else START_SIGMA) * (1 + float(np.hypot(*end)))
+    sigma = (LAMP_START_SIGMA if with_nearness else START_SIGMA) * (1 + math.hypot(*end))
     unit = EDGE_SIGMA_PX**2 * POINTS_A_SAMPLE
     if not with_nearness:
         return light[:2], unit / sigma**2 * np.eye(2)
@@ -123,11 +124,11 @@ def moved(light: Float, step: Float, height: float) -> Float:
 
     Its displacement changes by no more than half of that and one, and no lamp comes near the body.
     """
-    most = 0.5 * math.hypot(1.0, float(np.hypot(*light[:2])))
+    most = 0.5 * math.hypot(1.0, *light[:2])
     there = light.copy()
-    there[:2] += step[:2] * min(1.0, most / max(float(np.hypot(*step[:2])), 1e-12))
+    there[:2] += step[:2] * min(1.0, most / max(math.hypot(*step[:2]), 1e-12))
     if len(step) > 2:
-        there[3] = np.clip(there[3] + step[2], -NEAREST / height, NEAREST / height)
+        there[3] = min(max(there[3] + step[2], -NEAREST / height), NEAREST / height)
     return there
 
 

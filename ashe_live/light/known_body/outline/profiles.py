@@ -45,7 +45,7 @@ class Profiles:
     light: Float32  # (n, SAMPLES) along the lines outwards
     step: Float  # (n,) light lost, over the table's where no shadow that is known lies
     visible: Mask  # (n,) with room enough on the bare table
-    from_border_px: Float  # (n,) negative beyond the picture
+    room: Room  # in which they were looked for
 
     @staticmethod
     def of(edges: ShadowEdges, wanted_px: Float, picture: Float32, room: Room) -> "Profiles":
@@ -64,7 +64,7 @@ class Profiles:
         # In a known shadow less light is left, of which another light's edge takes the larger part.
         step = lost / np.maximum(lit, 1e-4) * left
         window, offset = np.minimum(reach / wanted_px, 1.0), np.minimum(np.maximum(offset, -reach), reach)
-        return Profiles(edges, reach, window, offset, light, step, visible, room.from_border(edges.points_px))
+        return Profiles(edges, reach, window, offset, light, step, visible, room)
 
     def are_steps(self, darkening: float) -> Mask:
         """(n,) which are visible and as deep as a light's edge that takes this part of the table's light."""
@@ -82,8 +82,8 @@ class Profiles:
 
     def are_cut_off(self) -> Mask:
         """(m,) of which of the outline's sides a part lies beyond the picture."""
-        beyond = np.bincount(self.edges.side, self.from_border_px < LEAST_PX, len(self.edges.corners_px))
-        return np.asarray(beyond > 0)
+        is_beyond = self.room.from_border(self.edges.points_px) < LEAST_PX
+        return np.asarray(np.bincount(self.edges.side, is_beyond, len(self.edges.corners_px)) > 0)
 
     def weights(self, darkening: float, loss: float, left_px: Float | None = None) -> Float:
         """(n,) weight of each edge, 0 for what is none; loss: factor on the scale of Cauchy's loss.

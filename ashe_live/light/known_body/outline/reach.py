@@ -36,7 +36,7 @@ class Reach:
         """
         profiles = fit.profiles_in(image)
         s = fit.light[:2] / fit.light[2]
-        length = float(np.hypot(*s))
+        length = math.hypot(*s)
         if profiles is None or not profiles.visible.any() or length < 1e-9 or _shows_end(profiles, s, darkening):
             return None
         visible = profiles.visible

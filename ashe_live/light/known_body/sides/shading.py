@@ -41,7 +41,8 @@ class Sides:
     centres: Float  # (k, 3) metres, marker frame
     level_centre: Float  # (3,) of the level facet
     relative: Float  # (k,) their light
-    residual: Float  # (k,) without what the table sends, and an even sky that gave all light
+    even: Float  # (k,) what an even sky that gave all light would give them
+    residual: Float  # (k,) their light without that, and without what the table sends
     noise: Float  # (k,) standard deviation of how that is measured
     is_clipped: Mask  # (k,) brighter than the picture shows
     by_level: Float  # (k,) what all change together by a standard deviation of the level facet's light
@@ -59,7 +60,8 @@ class Sides:
         sides = np.flatnonzero(~is_level) if len(level) else level
         white = max(float(light[level].mean()), 1e-4) if len(level) else 1.0
         relative = light[sides] / white
-        residual = relative - bounced[sides] / white - 0.5 * (1 + facets.normals[sides, 2])
+        even = 0.5 * (1 + facets.normals[sides, 2])
+        residual = relative - bounced[sides] / white - even
         mixed = MIXED * (MIXED_PX / np.maximum(facets.width_px, MIXED_PX / 2)) ** MIXED_POWER
         of_level = float(mixed[level].mean()) if len(level) else 0.0
         by_tones = TONES * relative * np.log(np.maximum(relative, LEAST_RELATIVE))
@@ -71,7 +73,7 @@ class Sides:
         noise = np.hypot(noise, np.where(clipped, by_level, 0.0))
         by_level = np.where(clipped, 0.0, by_level)
         normals, centres = facets.normals[sides], facets.centres[sides]
-        return Sides(normals, centres, level_centre, relative, residual, noise, clipped, by_level)
+        return Sides(normals, centres, level_centre, relative, even, residual, noise, clipped, by_level)
 
     def reached(self, lights: Float) -> Float:
         """(..., k) by how much each side gets more of lights (..., 4) than of an even sky.
@@ -80,12 +82,11 @@ class Sides:
         more to what is nearer to it: where the level facet gets `level` of these units, a light's share D of the
         ground's light makes all relative light smaller by 1 + D (level - 1).
         """
-        even = 0.5 * (1 + self.normals[:, 2])
         direct = direct_light(lights, self.normals, self.centres)
         if not lights[..., 3].any():
-            return np.asarray(direct - even)
+            return np.asarray(direct - self.even)
         level = direct_light(lights, np.array([(0.0, 0.0, 1.0)]), self.level_centre[None])
-        return np.asarray(direct - even - (self.residual + even) * (level - 1))
+        return np.asarray(direct - self.even - (self.residual + self.even) * (level - 1))
 
     def spread(self, lights: Float, reached: Float) -> Float:
         """(..., k) variance that lights (..., 4) add to the residuals, over their squared darkenings; reached: as by
@@ -97,7 +98,7 @@ class Sides:
         turned = np.where(cosines > 0, across * (1 - cosines**2), 0.0)
         turned_level = across * (1 - to_lights[..., 2:] ** 2) * self.relative**2
         uneven = (ACROSS_FACET_M * lights[..., 3:]) ** 2
-        direct = (reached + 0.5 * (1 + self.normals[:, 2])) ** 2
+        direct = (reached + self.even) ** 2
         by_lamps = uneven * (direct + self.relative**2)
         return np.asarray(OF_LIGHT**2 * direct + by_lamps + TURN_RAD**2 * (turned + turned_level))
 
@@ -106,9 +107,9 @@ class Sides:
 
         Whatever else shines adds to it. Another thing's shadow may lie on a side, but on all that it reaches?
         """
-        unit, even = light / np.linalg.norm(light[:3]), 0.5 * (1 + self.normals[:, 2])
+        unit = light / np.linalg.norm(light[:3])
         reached = self.reached(unit)
-        given, there = darkening * (reached + even), self.residual + even
+        given, there = darkening * (reached + self.even), self.residual + self.even
         sigma = np.sqrt(self.noise**2 + self.by_level**2 + darkening**2 * self.spread(unit, reached))
         is_expected = ~self.is_clipped & (given > DENIED_SIGMAS * sigma)
         return bool(is_expected.any() and (given - there > DENIED_SIGMAS * sigma)[is_expected].all())
