@@ -114,7 +114,8 @@ float lit_past_outline(int light, vec3 video_here, float covered, bool matters) 
     measured = mix(in_shadow, 1.0 - gone, is_border * min((most - far) / NEAR_SHADOW, 1.0));
     measured = mix(measured, known, is_line);
 #endif
-    return mix(measured, known, is_foot);
+    // But no shadow is as bright as lit ground, wherever the foot was thought to be.
+    return mix(measured, max(measured, known), is_foot);
 }
 
 // The same in each channel: where it is known what the ground looks like when it is lit, by that, as a shadow's border has

@@ -166,7 +166,6 @@ void main() {
 #endif
         }
     }
-    float factor = 1.0;
 #ifdef SHADOWS_MEET
     float removable = removable_in(read(added_light, middle, 0, 0), read(removed, middle, 0, 0));
     OfGround of_ground = OfGround(vec4(0.0), 0.0, 0.0);
@@ -188,7 +187,7 @@ void main() {
 #endif
         }
     }
-    factor = factor_at(removable, of_ground);
+    float factor = factor_at(removable, of_ground);
     vec3 own_gone = read(removed, middle, 0, 0).rgb;
     gone += gone_at_border(own_gone, removable, factor, of_ground) - of_ground.gone.rgb;
 #ifdef WIDE
@@ -199,7 +198,7 @@ void main() {
     coarse_removed.rgb = mix(coarse_removed.rgb, gone, of_ground.weight);
 #endif
 #ifdef AT_OBJECT
-    AcrossOutline across = across_outline(middle, at, linear_from_srgb(textureLod(video, at, 0.0).rgb), factor);
+    AcrossOutline across = across_outline(middle, at, linear_from_srgb(textureLod(video, at, 0.0).rgb));
     light = mix(light, across.light, across.nearness);
     gone = mix(gone, across.gone, across.nearness);
 #ifdef WIDE

@@ -39,8 +39,10 @@ float brightness_at(vec2 at) {
     return dot(linear_from_srgb(textureLod(video, at, 0.0).rgb), LUMINANCE);
 }
 
-// `seen` is the video in the pixel, `factor` that of video_borders.glsl, by which what is gone of the ground is multiplied.
-AcrossOutline across_outline(vec2 middle, vec2 at, vec3 seen, float factor) {
+// `seen` is the video in the pixel. What is gone of the ground is that of pixels beside the outline: how much can be taken in
+// the pixel itself is not known, as the object's part of it makes it darker or brighter (nothing is multiplied by t here, as
+// in video_borders.glsl).
+AcrossOutline across_outline(vec2 middle, vec2 at, vec3 seen) {
     Sides sides = Sides(vec4(0.0), vec4(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0, 0.0, vec2(0.0));
     for (int row = -OUTLINE_REACH; row <= OUTLINE_REACH; ++row) {
         int columns = OUTLINE_REACH - abs(row);
@@ -111,7 +113,7 @@ AcrossOutline across_outline(vec2 middle, vec2 at, vec3 seen, float factor) {
         share = clamp(seen_share, smoothstep(0.8, 1.0, bound), smoothstep(0.0, 0.2, bound));
     }
     float from_behind = share * level_behind + 1e-4, from_object = (1.0 - share) * level_object + 1e-4;
-    vec3 gone_behind = factor * sides.gone_behind / max(sides.pure_behind, 1e-20);
+    vec3 gone_behind = sides.gone_behind / max(sides.pure_behind, 1e-20);
     vec3 gone_object = sides.gone_object / max(sides.pure_object, 1e-20);
     vec4 light_behind = sides.light_behind / max(sides.pure_behind, 1e-20);
     vec4 light_object = sides.light_object / max(sides.pure_object, 1e-20);

@@ -1,5 +1,7 @@
 """Lit ground at the border of a real object's shadow: painted pictures of a known shadow, and all of it in shadow."""
 
+import math
+
 import cv2
 import numpy as np
 import pytest
@@ -71,7 +73,8 @@ class Painted:
         images = [_photo(cv2.resize(each, (width, height), interpolation=cv2.INTER_AREA)) for each in (lit, shaded)]
         self.tracked, self.all_in_shadow = stage.tracked(images[0], T_cam_marker, camera), images[1].astype(int)
         shadow = filled(cast, 1).astype(np.uint8)
-        beside_object = cv2.dilate(filled(CORNERS, 1).astype(np.uint8), np.ones((25, 25))) > 0
+        self.is_object = filled(CORNERS, 1)
+        beside_object = cv2.dilate(self.is_object.astype(np.uint8), np.ones((25, 25))) > 0
         self.at_border = (cv2.dilate(shadow, np.ones((7, 7))) != cv2.erode(shadow, np.ones((7, 7)))) & ~beside_object
 
 
@@ -109,6 +112,26 @@ def test_no_line_is_left_where_a_models_shadow_crosses_the_real_one(
     assert off.mean() < 5.0
     assert np.quantile(off, 0.9) <= 8
     assert np.quantile(off, 0.99) <= 14
+
+
+@pytest.mark.parametrize("quality", QUALITIES)
+def test_no_dots_are_left_at_the_objects_foot_where_its_body_is_a_little_too_large(
+    make_renderer, stage, quality: str
+) -> None:
+    sun = stage.light(60, 35, tuple(RATIO))
+    painted, renderer = Painted(stage, "plain", sun), make_renderer(QUALITIES[quality].render)
+    middle = np.array((0, 0.06, 0))
+    larger = Proxy("box", np.column_stack([1.03 * (CORNERS - middle) + middle, np.zeros((8, 2))]))
+    lit = Illumination((sun,), RATIO, np.array((0.5, 0.36, 0.24)), larger).as_seen_in(painted.tracked)
+    towards = sun.to_light_marker[:2] / np.linalg.norm(sun.to_light_marker[:2])
+    across = Placement(turn_rad=math.radians(60), shift_m=tuple(map(float, middle[:2] + 0.12 * towards)))
+    wall = stage.placed(box((0.01, 0.5, 0.25)))
+    scene = Scene(painted.tracked, wall, lit, placement=across, shows_model=False)
+    off = stage.picture(renderer, scene).astype(int) - painted.all_in_shadow
+    kernel, beyond = np.ones((3, 3), np.uint8), np.ones((15, 15), np.uint8)
+    seen = painted.is_object.astype(np.uint8)
+    beside = (cv2.dilate(seen, beyond) > 0) & (cv2.dilate(seen, kernel) == 0)
+    assert np.abs(off[beside]).max() < 20
 
 
 def test_beside_a_second_light_nothing_is_said(stage, sun) -> None:
