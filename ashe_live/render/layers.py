@@ -82,7 +82,8 @@ class LayerPasses:
         frame = inputs.framing
         self._ctx.viewport = frame.viewport
         if self.real is not None:
-            self.real.draw(frame, inputs.lighting, inputs.looked_up.shadows, content.casts_shadow)
+            looked_up = inputs.looked_up
+            self.real.draw(frame, inputs.lighting, looked_up.shadows, looked_up.ground_shadows, content.casts_shadow)
         shows_model = content.shows_model and with_models
         if shows_model:
             self.model_pass.draw_opaque(models, inputs)

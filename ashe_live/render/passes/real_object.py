@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
+from ashe_live.models.assembly.shading_normals import corner_normals
 from ashe_live.render.gl.framing import Framing
 from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.lights.ground_shadows import GroundShadows
 from ashe_live.render.lights.lighting import Lighting
 from ashe_live.render.lights.seen.shadow_maps import SeenShadowMaps
 from ashe_live.render.lights.shadow_maps import ShadowMaps
@@ -43,7 +45,7 @@ class RealObject:
         self._programs = programs
         self._ctx = ctx
         self._casting = _Surface(ctx, self.points, triangles)
-        self._drawn = _Surface(ctx, self.drawn_points, drawn_triangles)
+        self._drawn = _Surface(ctx, *_creased(self.drawn_points, drawn_triangles))
         self.seen_shadows = SeenShadowMaps(ctx, read.shadows)
 
     def render_depth(self, clip_from_marker: Float) -> None:
@@ -51,16 +53,25 @@ class RealObject:
         set_uniforms(program, clip_from_marker=clip_from_marker)
         self._casting.array(program).render()
 
-    def draw(self, framing: Framing, lighting: Lighting, shadows: ShadowMaps, is_shaded: bool = True) -> None:
+    def draw(
+        self,
+        framing: Framing,
+        lighting: Lighting,
+        shadows: ShadowMaps,
+        ground_shadows: GroundShadows,
+        is_shaded: bool = True,
+    ) -> None:
         """Draws its depth and, where the model shades it, the fraction of light that it loses.
 
         `is_shaded`: whether models cast shadows.
         """
-        program = self._programs.get("lights/depth")
         is_shaded = is_shaded and shadows.model_shades_real
+        program = self._programs.get("lights/depth")
         if is_shaded:
-            program = self._programs.get("catchers/real_object", **shadows.constants | {"casters": shadows.group_count})
+            casters = {"casters": shadows.group_count + 1}  # itself is the last one
+            program = self._programs.get("catchers/real_object", **shadows.constants | casters)
             shadows.bind(program)
+            ground_shadows.bind(program)
             set_uniforms(
                 program,
                 sky=lighting.sky,
@@ -98,10 +109,15 @@ class RealObject:
 class _Surface:
     """Triangles on the graphics card."""
 
-    def __init__(self, ctx: moderngl.Context, points: Float, triangles: NDArray[np.uint32]) -> None:
+    def __init__(
+        self, ctx: moderngl.Context, points: Float, triangles: NDArray[np.uint32], normals: Float | None = None
+    ) -> None:
+        """`normals`: (n, 3) of the points (n, 3), for programs that want them."""
         self._ctx = ctx
+        vertices = points if normals is None else np.concatenate([points, normals], axis=1)
+        self._has_normals = normals is not None
         # A mesh's arrays may lie in memory in any order.
-        self._vertices = ctx.buffer(np.ascontiguousarray(points, np.float32))
+        self._vertices = ctx.buffer(np.ascontiguousarray(vertices, np.float32))
         self._indices = ctx.buffer(np.ascontiguousarray(triangles))
         self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
 
@@ -114,9 +130,19 @@ class _Surface:
 
     def array(self, program: moderngl.Program) -> moderngl.VertexArray:
         if program not in self._arrays:
-            layout = [(self._vertices, "3f", "in_position")]
-            self._arrays[program] = self._ctx.vertex_array(program, layout, self._indices)
+            if "in_normal" in program:
+                layout = (self._vertices, "3f 3f", "in_position", "in_normal")
+            else:
+                layout = (self._vertices, "3f 12x" if self._has_normals else "3f", "in_position")
+            self._arrays[program] = self._ctx.vertex_array(program, [layout], self._indices)
         return self._arrays[program]
+
+
+def _creased(points: Float, triangles: NDArray[np.uint32]) -> tuple[Float, NDArray[np.uint32], Float]:
+    """Points, triangles and normals of a surface whose normals are smooth but at its edges."""
+    vertices = points.astype(np.float32)
+    corners = np.arange(triangles.size, dtype=np.uint32).reshape(-1, 3)
+    return points[triangles.ravel()], corners, corner_normals(vertices, triangles)
 
 
 def _for_both_layers(is_written: bool) -> Any:  # moderngl's stub knows masks of one attachment

@@ -14,6 +14,7 @@ from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.hull.surface import surface_of
 from ashe_live.models.material import WHITE, LinearRGBA
+from ashe_live.models.placement import Placement
 from ashe_live.models.primitives import box
 from ashe_live.quality import FAST, QUALITIES
 from ashe_live.render.camera.white import ASSUMED_WHITE
@@ -117,11 +118,46 @@ def test_models_shadow_falls_on_the_object(make_renderer, stage, preset) -> None
     renderer.render(Scene(tracked, stage.placed(box((0.02, 0.05, 0.08))), Illumination((light,), real_object=object_)))
     picture = renderer.read_bgr()
     lighting = lighting_of((light,))
-    upright = (np.array(lighting.sky) + np.array(lighting.bounce)) / 2
+    sky, bounce = np.array(lighting.sky) / 2, np.array(lighting.bounce) / 2
     sun = np.array(lighting.lights[0].irradiance) * np.cos(np.radians(30))
-    shaded = LINEAR_FROM_SRGB_8BIT[stage.rgb_at(picture, tracked, (0.07, 0.015, 0.03))] / LINEAR_FROM_SRGB_8BIT[GREY]
-    np.testing.assert_allclose(shaded, upright / (upright + sun), rtol=0.03)
-    np.testing.assert_array_equal(stage.rgb_at(picture, tracked, (0.07, 0.0, 0.1)), GREY)
+    # A third of the ground's light comes from beyond 2.8 times the height: from beyond the model and its shadow.
+    left = (1 + 2 * np.array(RATIO)) / 3
+    shaded = LINEAR_FROM_SRGB_8BIT[stage.rgb_at(picture, tracked, (0.07, 0.01, 0.03))] / LINEAR_FROM_SRGB_8BIT[GREY]
+    np.testing.assert_allclose(shaded, (sky + left * bounce) / (sky + bounce + sun), rtol=0.04)
+    np.testing.assert_array_equal(stage.rgb_at(picture, tracked, (0.07, 0.0, 0.12)), GREY)
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_a_round_object_is_shaded_by_its_own_normals_and_by_the_ground_that_is_shaded_too(
+    make_renderer, stage, preset
+) -> None:
+    """A wall takes all of the sun: what is left is the sky, and the light of ground that has none but the sky's."""
+    renderer = make_renderer(preset)
+    tracked = stage.tracked(GREY, stage.pose(180, 30, 0.5, target=(0.1, 0, 0.03)))
+    light = stage.light(180, 30, RATIO)
+    cylinder = Proxy("cylinder", np.array([(0.12, 0.0, z, 0.04, 0.0) for z in (0.0, 0.07)]))
+    wall = stage.placed(box((0.01, 0.8, 0.4)))
+    lit = Illumination((light,), real_object=cylinder)
+    scene = Scene(tracked, wall, lit, placement=Placement(shift_m=(-0.25, 0.0)), shows_model=False)
+    picture, lighting = stage.picture(renderer, scene), lighting_of((light,))
+    sky, bounce = np.array(lighting.sky) / 2, np.array(lighting.bounce) / 2
+    for azimuth in np.radians(np.arange(-55.0, 56.0, 2.5)):
+        place = 0.12 - 0.04 * np.cos(azimuth), 0.04 * np.sin(azimuth), 0.02
+        sun = np.array(lighting.lights[0].irradiance) * np.cos(np.radians(30)) * np.cos(azimuth)
+        shaded = LINEAR_FROM_SRGB_8BIT[stage.rgb_at(picture, tracked, place)] / LINEAR_FROM_SRGB_8BIT[GREY]
+        np.testing.assert_allclose(shaded, (sky + bounce * RATIO) / (sky + bounce + sun), rtol=0.035)
+
+
+def test_ground_in_the_objects_own_shadow_gives_it_no_less_light(make_renderer, stage) -> None:
+    """On the side that faces away from the sun there is nothing that a model could take, also none of the ground's."""
+    tracked = stage.tracked(GREY, stage.pose(0, 30, 0.5, target=(0.1, 0, 0.03)))
+    tall = _proxy_box(0.1, 0.0, 0.04, 0.12)
+    wall = stage.placed(box((0.01, 0.3, 0.3)))
+    lit = Illumination((stage.light(180, 30, RATIO),), real_object=tall)
+    scene = Scene(tracked, wall, lit, placement=Placement(shift_m=(-0.1, 0.0)), shows_model=False)
+    picture = stage.picture(make_renderer(), scene)
+    for height in (0.01, 0.02):
+        np.testing.assert_allclose(stage.rgb_at(picture, tracked, (0.14, 0.0, height)), GREY, atol=1)
 
 
 @pytest.mark.parametrize("preset", PRESETS, ids=IDS)
