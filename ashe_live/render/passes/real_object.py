@@ -130,11 +130,10 @@ class _Surface:
 
     def array(self, program: moderngl.Program) -> moderngl.VertexArray:
         if program not in self._arrays:
-            if "in_normal" in program:
-                layout = (self._vertices, "3f 3f", "in_position", "in_normal")
-            else:
-                layout = (self._vertices, "3f 12x" if self._has_normals else "3f", "in_position")
-            self._arrays[program] = self._ctx.vertex_array(program, [layout], self._indices)
+            wants_normals = program.get("in_normal", None) is not None
+            names = ("in_position", "in_normal") if wants_normals else ("in_position",)
+            layout = "3f 3f" if wants_normals else "3f 12x" if self._has_normals else "3f"
+            self._arrays[program] = self._ctx.vertex_array(program, [(self._vertices, layout, *names)], self._indices)
         return self._arrays[program]
 
 
@@ -142,7 +141,7 @@ def _creased(points: Float, triangles: NDArray[np.uint32]) -> tuple[Float, NDArr
     """Points, triangles and normals of a surface whose normals are smooth but at its edges."""
     vertices = points.astype(np.float32)
     corners = np.arange(triangles.size, dtype=np.uint32).reshape(-1, 3)
-    return points[triangles.ravel()], corners, corner_normals(vertices, triangles)
+    return points[triangles.ravel()], corners, corner_normals(vertices, triangles).astype(np.float64)
 
 
 def _for_both_layers(is_written: bool) -> Any:  # moderngl's stub knows masks of one attachment
