@@ -30,8 +30,8 @@ Standing = Name | tuple[Name, Placement]  # a model, by itself or moved from whe
 class Renderer:
     """Draws models into pictures, without a window. For use by the thread that made it; a context manager.
 
-    What signals raise, as Ctrl-C does or a notebook's button, waits until the picture is drawn.
     Elsewhere, in a forked process, and after `release`, its methods raise ValueError: OpenGL would hang or crash there.
+    What signals raise, as Ctrl-C does or a notebook's button, waits until the picture is drawn.
     """
 
     def __init__(self, size: Size, quality: str = "balanced") -> None:

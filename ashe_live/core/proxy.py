@@ -30,10 +30,7 @@ class ProxyMesh:
 
 @dataclass(frozen=True, eq=False)
 class Proxy:
-    """The real object's stand-in: the convex hull of upright spheroids (a point, a disc, a ball are special cases).
-
-    Where it stands and how high it is, is computed once.
-    """
+    """The real object's stand-in: the convex hull of upright spheroids (a point, a disc, a ball are special cases)."""
 
     family: str  # the kind of body that was fitted, e.g. box; "silhouettes": their hull, in several views
     spheroids_marker: Float  # (k, 5) centre x, y, z, horizontal radius, half height; metres, marker frame

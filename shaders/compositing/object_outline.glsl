@@ -39,9 +39,8 @@ float brightness_at(vec2 at) {
     return dot(linear_from_srgb(textureLod(video, at, 0.0).rgb), LUMINANCE);
 }
 
-// `seen` is the video in the pixel. What is gone of the ground is that of pixels beside the outline: how much can be taken in
-// the pixel itself is not known, as the object's part of it makes it darker or brighter (nothing is multiplied by t here, as
-// in video_borders.glsl).
+// `seen` is the video in the pixel. What is gone of the ground is that of pixels beside the outline, without the factor of
+// video_borders.glsl: how much light can be taken in this pixel is not known, as the object is a part of what it shows.
 AcrossOutline across_outline(vec2 middle, vec2 at, vec3 seen) {
     Sides sides = Sides(vec4(0.0), vec4(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0, 0.0, vec2(0.0));
     for (int row = -OUTLINE_REACH; row <= OUTLINE_REACH; ++row) {

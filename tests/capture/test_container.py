@@ -20,6 +20,7 @@ from ashe_live.capture.container import (
     has_decoding_times_alone,
     opened_container,
     stated_length,
+    stated_ratio,
     video_in,
 )
 from ashe_live.process.signals import ended_by_signals
@@ -188,3 +189,24 @@ def test_a_request_to_end_while_ffmpeg_reads_waits_and_costs_nothing_of_the_clip
             assert sum(1 for _ in container.decode(video=0)) == 60
         with pytest.raises(SystemExit):
             end_if_asked()
+
+
+class Rational:
+    """As PyAV 19 has FFmpeg's numbers: false where there is none."""
+
+    def __init__(self, numerator: int, denominator: int) -> None:
+        self.numerator, self.denominator = numerator, denominator
+
+    def __bool__(self) -> bool:
+        return self.numerator != 0 and self.denominator != 0
+
+
+@pytest.mark.parametrize("kind", [Fraction, Rational])
+def test_a_stated_ratio_is_a_fraction_whatever_kind_of_number_pyav_has(kind: Callable[[int, int], Any]) -> None:
+    assert stated_ratio(kind(1001, 30_000)) == Fraction(1001, 30_000)
+    assert stated_ratio(kind(0, 1)) is None
+
+
+@pytest.mark.parametrize("unknown", [None, Rational(0, 1), Rational(1, 0), Rational(0, 0)])
+def test_an_unknown_ratio_is_none(unknown: Rational | None) -> None:
+    assert stated_ratio(unknown) is None

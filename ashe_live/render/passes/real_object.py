@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
 from ashe_live.models.assembly.shading_normals import corner_normals
@@ -65,8 +65,8 @@ class RealObject:
 
         `is_shaded`: whether models cast shadows.
         """
-        is_shaded = is_shaded and shadows.model_shades_real
         program = self._programs.get("lights/depth")
+        is_shaded = is_shaded and shadows.model_shades_real
         if is_shaded:
             casters = {"casters": shadows.group_count + 1}  # itself is the last one
             program = self._programs.get("catchers/real_object", **shadows.constants | casters)
@@ -110,9 +110,9 @@ class _Surface:
     """Triangles on the graphics card."""
 
     def __init__(
-        self, ctx: moderngl.Context, points: Float, triangles: NDArray[np.uint32], normals: Float | None = None
+        self, ctx: moderngl.Context, points: Float, triangles: NDArray[np.uint32], normals: Float32 | None = None
     ) -> None:
-        """`normals`: (n, 3) of the points (n, 3), for programs that want them."""
+        """`points`: (n, 3), metres, marker frame. `normals`: (n, 3) unit, of these, for programs that take them."""
         self._ctx = ctx
         vertices = points if normals is None else np.concatenate([points, normals], axis=1)
         self._has_normals = normals is not None
@@ -137,11 +137,10 @@ class _Surface:
         return self._arrays[program]
 
 
-def _creased(points: Float, triangles: NDArray[np.uint32]) -> tuple[Float, NDArray[np.uint32], Float]:
-    """Points, triangles and normals of a surface whose normals are smooth but at its edges."""
-    vertices = points.astype(np.float32)
+def _creased(points: Float, triangles: NDArray[np.uint32]) -> tuple[Float, NDArray[np.uint32], Float32]:
+    """The surface with a vertex for each triangle's corner, and their unit normals, smooth but at the body's edges."""
     corners = np.arange(triangles.size, dtype=np.uint32).reshape(-1, 3)
-    return points[triangles.ravel()], corners, corner_normals(vertices, triangles).astype(np.float64)
+    return points[triangles.ravel()], corners, corner_normals(points.astype(np.float32), triangles)
 
 
 def _for_both_layers(is_written: bool) -> Any:  # moderngl's stub knows masks of one attachment

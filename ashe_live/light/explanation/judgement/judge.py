@@ -48,7 +48,7 @@ class Judge:
 
     @property
     def least_confidence(self) -> float:
-        """The confidence below which no answer is given, read from the risk-coverage curve (docs/accuracy)."""
+        """The confidence below which no answer is given, by the risk-coverage curve (docs/accuracy/one_picture.md)."""
         return self.tables.least_confidence
 
     @property
