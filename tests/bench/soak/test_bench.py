@@ -3,6 +3,7 @@
 import itertools
 import json
 import math
+import mmap
 import os
 import threading
 from types import SimpleNamespace
@@ -184,12 +185,13 @@ def test_the_camera_has_a_picture_when_one_is_due_and_remembers_when_it_was_take
 
 
 def test_what_a_process_holds_is_what_it_takes(tmp_path, monkeypatch):
-    kept, end = [], threading.Event()
+    end = threading.Event()
     before = resources_held.held_now()
-    with (tmp_path / "a").open("w"):
+    # Mapped, as an array may come out of memory that the heap already holds.
+    with (tmp_path / "a").open("w"), mmap.mmap(-1, 64 * 2**20) as kept:
         thread = threading.Thread(target=end.wait)
         thread.start()
-        kept.append(np.ones(2**23))  # of 64 MiB
+        np.frombuffer(kept, np.uint8)[:] = 1
         monkeypatch.setattr(
             resources_held.multiprocessing, "active_children", lambda: [SimpleNamespace(pid=os.getpid())]
         )
