@@ -12,7 +12,7 @@ from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
-from ashe_live.light.known_body.found_light import SOFT_RAD, FoundLight, darkenings_rgb, image_beside, masks_of
+from ashe_live.light.known_body.found_light import SOFT_RAD, FoundLight, darkenings_rgb, images_beside, masks_of
 from ashe_live.light.known_body.lights import Found, lights_of
 from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.seen import Seen
@@ -35,14 +35,18 @@ SHADED = 0.6
 DARKEST = 1e-3  # least share of the table's light that is left in a shadow
 
 
-def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: str) -> tuple[LightEstimate, View]:
+def estimate_by_body(
+    tracked: TrackedFrame, others: Sequence[TrackedFrame], body: Proxy, width_px: int, name: str
+) -> tuple[LightEstimate, View]:
     """The lights that cast the shadows of `body` (marker frame), and the view of the frame, which must have a marker.
 
-    width_px: of the frame at the resolution that is used. name: of the estimator.
+    others: frames of the same scene with a marker, in which the body hides other parts of its shadows. width_px: of the
+    frames at the resolution that is used. name: of the estimator.
     """
     clock = StageClock()
     view = View.of(tracked, width_px)
-    seen = Seen.of(view, body, tracked.pose.pose_shape_errors)
+    beside = [(View.of(each, width_px), each.pose.pose_shape_errors) for each in others]
+    seen = Seen.of(view, body, tracked.pose.pose_shape_errors, beside)
     clock.end("segment")
 
     def none(reason: str) -> tuple[LightEstimate, View]:
@@ -108,11 +112,10 @@ def _illumination(seen: Seen, found: Sequence[FoundLight], dark: Float, tracked:
 def _sun_beside_folds(seen: Seen, found: FoundLight, others: Sequence[FoundLight]) -> FoundLight:
     """The light by its shadow's edges as the body may be off; for lamps, and what may be one, that was done before."""
     fit = found.fit
-    if fit is None or seen.pose_shape_errors is None or found.is_lamp or found.may_be_lamp or fit.light[3] != 0:
+    if fit is None or found.is_lamp or found.may_be_lamp or fit.light[3] != 0:
         return found
-    adjusted = beside_folds(
-        fit, image_beside(seen, others), found.darkening, seen.pose_shape_errors, with_nearness=False
-    )
+    image = images_beside(seen, others).showing(fit.light)
+    adjusted = beside_folds(fit, image, found.darkening, with_nearness=False)
     if adjusted is None:
         return found
     light, covariance = adjusted

@@ -66,7 +66,10 @@ class ProxyEstimator:
             raise ValueError("a frame without a marker has no marker frame to answer in")
         if tracked.marker.body is not None:
             # The marker is printed on a known body, which casts a shadow itself.
-            estimate, view = estimate_by_body(tracked, tracked.marker.body, self._preset.fine_width_px, self.name)
+            beside = usable(tracked, others, self._preset.views - 1)
+            estimate, view = estimate_by_body(
+                tracked, beside, tracked.marker.body, self._preset.fine_width_px, self.name
+            )
             return estimate, Trace(view)
         if tracked.clean_plate_bgr is not None:
             others = ()  # they show the ground's pattern, and nothing in common with a view over plain ground

@@ -13,8 +13,7 @@ from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.outline.by_edges import by_edges
 from ashe_live.light.known_body.outline.fit import ShadowFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
-from ashe_live.light.known_body.outline.profiles import LEAST_PX, EdgeImage
-from ashe_live.light.known_body.outline.room import Room
+from ashe_live.light.known_body.outline.profiles import EdgeImage, EdgeImages
 from ashe_live.light.known_body.rims import LEAST_DARKENING
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.templates import Templates
@@ -79,7 +78,7 @@ class Candidates:
 
     seen: Seen
     beside: MarginalLikelihood  # of the picture, beside the known lights
-    image: EdgeImage  # likewise
+    images: EdgeImages  # likewise
     score: Float  # (m,) log likelihood of each direction; -inf where none is looked for
     steps: Float  # (m,) log odds of each by its shadow's steps of light in the map: with the score, the order of trial
     least: float = -math.inf  # none is tried whose score is below this both with its steps and without
@@ -113,7 +112,7 @@ class Candidates:
                 found.append(FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening))
                 if _is_clear(found[-1]):  # else map and score were another thing's
                     starts.explained_by(number)
-            elif in_view(self.seen, template, self.image.room) <= MOST_IN_VIEW:
+            elif self.images.shown(template) <= MOST_IN_VIEW:
                 starts.spend()
                 starts.explained_by(number)
                 found.append(mean_near(self.seen.templates, self.score, self._darkenings, template))
@@ -127,7 +126,7 @@ class Candidates:
             return True
         if fit.light[3] >= 0:
             return False
-        edges = by_edges(self.image, fit, darkening, self.seen.pose_shape_errors)
+        edges = by_edges(self.images.showing(fit.light), fit, darkening)
         return edges is not None and edges.is_beyond_suns
 
     @property
@@ -144,11 +143,12 @@ class Candidates:
 
     def _fit(self, number: int, start: _Start) -> tuple[ShadowFit | None, float]:
         """The fit from a start near a template, and the darkening that it was made with."""
-        fit = _moved_onto_edges(self.image, start.light, start.darkening)
+        fit = _moved_onto_edges(self.images.showing(start.light), start.light, start.darkening)
         if fit is None and self.steps[number] >= 0 and self.score[number] >= 0:
             # The map is misled by its stains, and may have led away from what is there.
             own = float(self._darkenings[number])
-            at_template = _moved_onto_edges(self.image, self.seen.templates.lights[number], own)
+            template = self.seen.templates.lights[number]
+            at_template = _moved_onto_edges(self.images.showing(template), template, own)
             if at_template is not None and at_template.clear > CLEAR:
                 return at_template, own
         return fit, start.darkening
@@ -178,12 +178,6 @@ def _moved_onto_edges(image: EdgeImage, start: Float, darkening: float) -> Shado
         if best is not None and best.clear > CLEAR:
             break
     return best
-
-
-def in_view(seen: Seen, light: Float, room: Room) -> float:
-    """Of the outline of a light's (4,) shadow, the part that would be seen."""
-    edges = seen.shadow_edges(light)
-    return 0.0 if edges is None else float((room.around(edges.points_px) >= LEAST_PX).mean())
 
 
 def _nearby(seen: Seen, template: Float, beside: MarginalLikelihood) -> _Start:

@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask, upper_quantile
+from ashe_live.core.arrays import Float, Mask, upper_quantile, without
 from ashe_live.core.transforms import normalised, raycast_to_plane
 from ashe_live.light.known_body.outline.edges import ShadowEdges
 from ashe_live.light.known_body.outline.fit import FEWEST, ShadowFit
-from ashe_live.light.known_body.outline.profiles import EdgeImage
+from ashe_live.light.known_body.outline.profiles import EdgeImage, EdgeImages
 from ashe_live.light.known_body.outline.room import Outline, Room
+from ashe_live.light.known_body.pictures.photo import Photo
 from ashe_live.light.known_body.rims import Rims
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.shading import fall_off
@@ -77,8 +78,8 @@ class FoundLight:
 
 
 def masks_of(seen: Seen, found: Sequence[FoundLight]) -> tuple[Mask, Mask]:
-    """(h, w) of the view each: the body, and its shadows."""
-    silhouettes = predicted(seen.body, np.array([each.casting for each in found]), seen.view)
+    """(h, w) of the first picture each: the body, and its shadows."""
+    silhouettes = predicted(seen.body, np.array([each.casting for each in found]), seen.photos[0].view)
     return silhouettes.body, silhouettes.shadow
 
 
@@ -87,16 +88,20 @@ def points_of(found: Sequence[FoundLight]) -> Float:
     return np.array([each.casting for each in found]).reshape(-1, 4)
 
 
-def image_beside(seen: Seen, others: Sequence[FoundLight]) -> EdgeImage:
-    """The picture for a look at a light's edges, without what lies near those of other lights' shadows."""
-    room = seen.room
+def images_beside(seen: Seen, others: Sequence[FoundLight]) -> EdgeImages:
+    """The pictures for a look at a light's edges, without what lies near those of other lights' shadows."""
+    return EdgeImages(tuple(_image_beside(photo, others) for photo in seen.photos)) if others else seen.edge_images
+
+
+def _image_beside(photo: Photo, others: Sequence[FoundLight]) -> EdgeImage:
+    room = photo.room
     for other in others:
-        edges = seen.shadow_edges(other.casting)
+        edges = photo.shadow_edges(other.casting)
         if edges is not None:
             penumbra_px = other.size_rad * upper_quantile(edges.by_size, 0.9)
             broad_px = OTHER_EDGE_PX + OTHER_PENUMBRA * penumbra_px
             room = room.beside_shadow(edges.corners_px, broad_px, other.darkening)
-    return seen.edge_image if room is seen.room else replace(seen.edge_image, room=room)
+    return replace(photo.edge_image, room=room)
 
 
 def darkenings_rgb(seen: Seen, found: Sequence[FoundLight], least_size_rad: float = 0.0) -> Float:
@@ -105,11 +110,7 @@ def darkenings_rgb(seen: Seen, found: Sequence[FoundLight], least_size_rad: floa
     By map and sides where too little of a shadow's edges is seen. least_size_rad: the penumbra of a light of at least
     this diameter is left out, as it may be wider than was measured, if the shadow is broad enough.
     """
-    edges = [seen.shadow_edges(each.casting) for each in found]
-    steps = [
-        None if own is None else _step_rgb(seen, one, own, [*edges[:number], *edges[number + 1 :]], least_size_rad)
-        for number, (one, own) in enumerate(zip(found, edges, strict=True))
-    ]
+    steps = [_step_rgb(seen.showing(one.casting), one, without(found, [one]), least_size_rad) for one in found]
     if all(step is not None for step in steps):
         return np.array(steps)
     overall = seen.darkenings_rgb(np.array([each.casting for each in found]))
@@ -118,28 +119,28 @@ def darkenings_rgb(seen: Seen, found: Sequence[FoundLight], least_size_rad: floa
 
 def hidden_step(seen: Seen, one: FoundLight) -> float:
     """How much more of the sky the body hides where a light's shadow is found dark than where it is found lit."""
-    edges = seen.shadow_edges(one.casting)
+    photo = seen.showing(one.casting)
+    edges = photo.shadow_edges(one.casting)
     if edges is None:
         return 0.0
     away_px = BEYOND_PX + BEYOND_PENUMBRA * one.size_rad * float(np.median(edges.by_size))
-    cell_px = height_px(seen.body, seen.view) / CELLS_A_HEIGHT
+    cell_px = height_px(seen.body, photo.view) / CELLS_A_HEIGHT
     rim = Rims.of(seen.body, one.casting[None], seen.templates.hidden_sky)
     return rim.hidden_step(seen.is_table) * min(away_px / (float(rim.cells_away[0]) * cell_px), 1.0)
 
 
-def _step_rgb(
-    seen: Seen, one: FoundLight, own: ShadowEdges, others: Sequence[ShadowEdges | None], least_size_rad: float
-) -> Float | None:
+def _step_rgb(photo: Photo, one: FoundLight, others: Sequence[FoundLight], least_size_rad: float) -> Float | None:
     """(3,) R, G, B: the light that is lost across the shadow's edges, over that beyond them; None where few are seen.
 
-    own: the light's edges, others: those of other lights, whose shadows are not lit. least_size_rad: as by
-    `darkenings_rgb`.
+    others: lights whose shadows are not lit. least_size_rad: as by `darkenings_rgb`.
     """
-    if one.fit is None:
+    own = photo.shadow_edges(one.casting)
+    if one.fit is None or own is None:
         return None
-    room = seen.room
+    room = photo.room
     for other in others:
-        room = room if other is None else room.outside(other.corners_px)
+        edges = photo.shadow_edges(other.casting)
+        room = room if edges is None else room.outside(edges.corners_px)
     kept, ends = _both_sides(own, room, max(one.size_rad, least_size_rad))
     if least_size_rad > one.size_rad:
         away = _beyond_px(own, least_size_rad)
@@ -149,11 +150,11 @@ def _step_rgb(
     if np.count_nonzero(kept) < FEWEST:
         return None
     columns, rows = np.moveaxis(np.round(ends[:, kept]).astype(int), 2, 0)
-    dark, bright = seen.picture[rows, columns].astype(np.float64)[..., ::-1]
+    dark, bright = photo.picture[rows, columns].astype(np.float64)[..., ::-1]
     # What the light gives at each place, over what else lights it; a lamp's light falls off from the marker's centre.
     given = np.maximum(bright / np.maximum(dark, 1e-4) - 1, 0.0)
     if one.is_lamp:
-        x, y, _ = raycast_to_plane(seen.view.camera, seen.view.T_cam_marker, own.points_px[kept]).T
+        x, y, _ = raycast_to_plane(photo.view.camera, photo.view.T_cam_marker, own.points_px[kept]).T
         given = given / np.maximum(fall_off(one.light, x, y), 1e-3)[:, None]
     at_centre = np.median(given, axis=0)
     return np.asarray(at_centre / (1 + at_centre))

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.known_body.found_light import FoundLight, image_beside, points_of
+from ashe_live.light.known_body.found_light import FoundLight, images_beside, points_of
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.outline.by_edges import ByEdges, by_edges
 from ashe_live.light.known_body.outline.fit import NEAREST, ShadowFit, fitted, nearness_sigma
@@ -68,9 +68,9 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
     """
     if one.fit is None:
         return one
-    image = image_beside(seen, others)
+    image = images_beside(seen, others).showing(one.casting)
     fit = _likeliest_fit(image, one, size_rad)
-    edges = by_edges(image, fit, one.darkening, seen.pose_shape_errors)
+    edges = by_edges(image, fit, one.darkening)
     if edges is None:
         return one
     nearness = _nearness(seen, edges, others)

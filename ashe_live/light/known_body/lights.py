@@ -9,9 +9,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import normalised
-from ashe_live.light.known_body.candidates import APART_RAD, MOST_IN_VIEW, Candidates, in_view, mean_near
+from ashe_live.light.known_body.candidates import APART_RAD, MOST_IN_VIEW, Candidates, mean_near
 from ashe_live.light.known_body.confidence import LOG_NONE_FURTHER, NEAR_RAD, with_confidence
-from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, image_beside, points_of
+from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, images_beside, points_of
 from ashe_live.light.known_body.lamps import as_lamps
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.outline.fit import ShadowFit, fitted
@@ -49,7 +49,7 @@ def lights_of(seen: Seen) -> Found:
     """The lights of a picture, found one after the other; none where nothing says that there is one."""
     alone = seen.beside(NO_LIGHTS)
     steps = seen.rims(NO_LIGHTS).cautious
-    first = Candidates(seen, alone, image_beside(seen, ()), alone.everywhere.log_likelihood, steps)
+    first = Candidates(seen, alone, images_beside(seen, ()), alone.everywhere.log_likelihood, steps)
     candidates, ruled_out = first.refined()
     scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
     # Also that of a shadow which cannot be the body's, as its edges should be seen and are not.
@@ -122,8 +122,8 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     # A known light without edges may be a mixture of this one and others, and is then found anew beside it.
     is_vague = known[0].fit is None
     least = (0.0 if is_vague else LEAST_MORE) - GAIN_BY_MOVING
-    image = image_beside(seen, known)
-    candidates = Candidates(seen, beside, image, score, rims.by_depth(), least=least, least_around=AGAINST)
+    images = images_beside(seen, known)
+    candidates = Candidates(seen, beside, images, score, rims.by_depth(), least=least, least_around=AGAINST)
     likely, _ = candidates.refined()
     for one in likely:
         if one.fit is None:
@@ -192,7 +192,7 @@ def _hidden(seen: Seen, score: Float, would_be_seen: Mask, beside: MarginalLikel
     score = np.where(would_be_seen, -np.inf, score)
     best = seen.templates.lights[int(score.argmax())]
     hidden = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], best)
-    if hidden.darkening < LEAST_DARKENING or in_view(seen, hidden.light, seen.room) > MOST_IN_VIEW:
+    if hidden.darkening < LEAST_DARKENING or seen.edge_images.shown(hidden.light) > MOST_IN_VIEW:
         return None
     return replace(hidden, exists=exists)
 
@@ -202,7 +202,7 @@ def _refitted(seen: Seen, found: Sequence[FoundLight]) -> list[FoundLight]:
     dark = darkenings_rgb(seen, found).mean(axis=1)
     fitted_again = []
     for number, (one, darkening) in enumerate(zip(found, dark, strict=True)):
-        image = image_beside(seen, [*found[:number], *found[number + 1 :]])
+        image = images_beside(seen, [*found[:number], *found[number + 1 :]]).showing(one.casting)
         fit = None
         if one.fit is not None and one.fit.light[3] == 0:  # lamps are fitted as such afterwards
             fit = fitted(image, one.casting, float(darkening), size_rad=one.size_rad)

@@ -5,6 +5,7 @@ where one would be seen.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -70,21 +71,37 @@ class Beside(NamedTuple):
     lost: Float32  # (m, PLACES) light from outside to inside
     hidden: Float32  # (m, PLACES) as in Rims
 
-    def seen(self, is_table: Mask, darkenings: Float, sky: Float, least: float) -> RimSteps:
-        """What is seen of steps at each outline, and of n - m lights more of whose outlines nothing is.
+    def visible_on(self, is_table: Mask) -> Mask:
+        """(m, PLACES) where both sides are seen on the pixels (h, w) that show the bare table."""
+        return _all_on(is_table, self.pixels)
 
-        is_table: (h, w) pixels that show the bare table away from all that is known. darkenings: (n,) part of the
-        table's light that each light gives, at least `least`. sky: (n,) that of the sky beside it, of which the body
-        hides more on the inner side.
-        """
-        m = len(self.lost)
-        visible = _all_on(is_table, self.pixels)
-        lost = self.lost - sky[:m, None].astype(np.float32) * self.hidden
-        steps = visible & (lost > LEAST_STEP * np.maximum(darkenings[:m], least)[:, None])
-        shown, count = np.zeros((2, len(darkenings)))
-        shown[:m], count[:m] = steps.sum(axis=1), visible.sum(axis=1)
-        log_odds = np.asarray(SAMPLES * (shown * BY_STEP + (count - shown) * BY_NONE))
-        return RimSteps(count / PLACES, log_odds, lost, visible)
+
+def steps_in(pictures: Sequence[tuple[Beside, Mask]], darkenings: Float, sky: Float, least: float) -> RimSteps:
+    """What is seen at each outline in any of the pictures, as n lights would have it.
+
+    Of n - m lights more than there are outlines nothing is seen.
+
+    pictures: each with the pixels (h, w) of it that show the bare table away from all that is known. darkenings: (n,)
+    part of the table's light that each light gives, at least `least`. sky: (n,) that of the sky beside it, of which the
+    body hides more on the inner side.
+    """
+    visible = np.array([beside.visible_on(is_table) for beside, is_table in pictures])
+    if len(pictures) == 1:
+        ((beside, _),) = pictures
+        lost, is_visible = beside.lost, visible[0]
+    else:
+        counts = np.maximum(visible.sum(axis=0), 1).astype(np.float32)
+        lost = (
+            np.sum([beside.lost * here for (beside, _), here in zip(pictures, visible, strict=True)], axis=0) / counts
+        )
+        is_visible = visible.any(axis=0)
+    m = len(lost)
+    lost = lost - sky[:m, None].astype(np.float32) * pictures[0][0].hidden
+    steps = is_visible & (lost > LEAST_STEP * np.maximum(darkenings[:m], least)[:, None])
+    shown, count = np.zeros((2, len(darkenings)))
+    shown[:m], count[:m] = steps.sum(axis=1), is_visible.sum(axis=1)
+    log_odds = np.asarray(SAMPLES * (shown * BY_STEP + (count - shown) * BY_NONE))
+    return RimSteps(count / PLACES, log_odds, lost, is_visible)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,5 +1,6 @@
-"""A picture of a known body, prepared once for all that looks at it, and what it says of lights as a whole."""
+"""Pictures of a known body, prepared once for all that looks at them, and what they say of lights as a whole."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -11,11 +12,10 @@ from ashe_live.core.proxy import PoseShapeErrors, Proxy
 from ashe_live.core.transforms import camera_centre
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.observed import Lit, Observed
-from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
-from ashe_live.light.known_body.outline.profiles import EdgeImage
-from ashe_live.light.known_body.outline.room import Room
-from ashe_live.light.known_body.outline.texture import without_texture
-from ashe_live.light.known_body.rims import Beside, RimSteps
+from ashe_live.light.known_body.outline.profiles import EdgeImages
+from ashe_live.light.known_body.pictures.merged import gain_between, merged_facets, merged_tables
+from ashe_live.light.known_body.pictures.photo import Photo
+from ashe_live.light.known_body.rims import RimSteps, steps_in
 from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.sides.bounce import sent_by_sides
 from ashe_live.light.known_body.sides.facets import Facets, facets_of
@@ -27,7 +27,6 @@ from ashe_live.light.known_body.table import (
     SIDE,
     TableMap,
     linear_picture,
-    pixel_from_cell,
     places,
     relative_light,
     sent_by_table,
@@ -38,9 +37,6 @@ from ashe_live.light.pixels.view import View
 
 MEAN: Float = np.full(3, 1 / 3)  # weights of R, G, B
 BESIDE_CELL = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
-BESIDE_BODY = cv2.getStructuringElement(cv2.MORPH_RECT, (5, 5))  # within which blur mixes other things with the table
-EDGE_BROAD_PX = 7  # of a known shadow's edge, where no other is looked for
-FARTHEST_PX = 1e4  # of an edge from the picture: beyond, it is drawn as if it were there
 LEAST_EDGE = 0.05  # difference between the shaded parts of neighbouring cells, from which on an edge is there
 DEEP = 0.1  # part of the table's light that a shadow is taken to lack, at least, when its steps are compared with that
 BESIDE_HEIGHTS = 1.2  # how far from its foot the table counts as beside the body, in the body's heights
@@ -69,51 +65,59 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """A picture of a known body, prepared once for all that looks at it; results are cached."""
+    """Pictures of a known body in one scene, prepared once for all that looks at them; results are cached."""
 
-    view: View
     body: Proxy
-    picture: Float32  # (h, w, 3) linear light, B, G, R
-    light: Float32  # (h, w) its mean over the channels, without a rough table's texture
-    around: Float32  # (h, w) the same, on a rough table its means around each pixel: stones shine, but not together
-    lit_rgb: Float  # (3,) linear light of the lit table, R, G, B; where lamps are known, at the body's foot
+    photos: tuple[Photo, ...]  # the first is the one in whose frame and exposure the answer is given
     is_table: Mask  # (n, n) cells that are seen and no brighter than a table in the light of suns
-    room: Room
     templates: Templates  # everywhere that a light is looked for
-    measured: Measured
+    measured: Measured  # in the exposure of the first picture
     observed: Observed  # by the mean of the channels
-    pose_shape_errors: PoseShapeErrors | None = None  # how the body and its frame may be off
 
     @staticmethod
-    def of(view: View, body: Proxy, errors: PoseShapeErrors | None = None) -> "Seen | None":
-        """None where next to nothing of the table is in view."""
-        picture = linear_picture(view)
-        table = table_around(view, body, picture)
-        if table is None:
+    def of(
+        view: View,
+        body: Proxy,
+        errors: PoseShapeErrors | None = None,
+        others: Sequence[tuple[View, PoseShapeErrors | None]] = (),
+    ) -> "Seen | None":
+        """By a view and others of the same scene; None where next to nothing of the table is in the first.
+
+        errors: how body and frame may be off in a view. Another view with too little of the table, or which shows
+        another scene, is left out.
+        """
+        shots = _shots(view, body, errors, others)
+        if not shots:
             return None
-        light = np.asarray(cv2.transform(picture, np.full((1, 3), 1 / 3)), dtype=np.float32)
+        gains = [each.gain for each in shots]
+        table = merged_tables([each.table for each in shots], gains) if len(shots) > 1 else shots[0].table
         relative, lit_rgb = relative_light(table)
-        facets = facets_of(view, body, picture)
+        several = [facets_of(each.view, body, each.picture) for each in shots]
+        facets = merged_facets(several, gains) if len(shots) > 1 else several[0]
         templates = templates_of(body).and_behind(camera_centre(view.T_cam_marker), body)
         by_table = sent_by_table(body, table, relative, facets.normals, facets.centres)
         relative = relative - sent_by_sides(templates.from_sides, facets) * table.seen[..., None]
         measured = Measured(table, relative, facets, PAPER * lit_rgb * by_table)
         observed = measured.observed(MEAN, templates, Lit(templates.lights, templates.shadows))
-        light, around = without_texture(light, view.is_ground, float(lit_rgb.mean()))
-        return Seen(
-            view=view,
-            body=body,
-            picture=picture,
-            light=light,
-            around=around,
-            lit_rgb=lit_rgb,
-            is_table=observed.weight.reshape(SIDE, SIDE) > 0,
-            room=Room.of(view, body),
-            templates=templates,
-            measured=measured,
-            observed=observed,
-            pose_shape_errors=errors,
-        )
+        is_table = observed.weight.reshape(SIDE, SIDE) > 0
+        photos = tuple(Photo.of(each.view, body, each.picture, lit_rgb / each.gain, each.errors) for each in shots)
+        return Seen(body, photos, is_table, templates, measured, observed)
+
+    @property
+    def lit_rgb(self) -> Float:
+        """(3,) linear light of the lit table, R, G, B, in the first picture; where lamps are known, at the foot."""
+        return self.photos[0].lit_rgb
+
+    @cached_property
+    def edge_images(self) -> EdgeImages:
+        """In which edges are seen wherever the table is, as long as no light is known."""
+        return EdgeImages(tuple(each.edge_image for each in self.photos))
+
+    @cached_by_array
+    def showing(self, light: Float) -> Photo:
+        """The picture in which most of the outline of a light's (4,) shadow would be seen; of equals, the first."""
+        shown = self.edge_images.showing(light)
+        return next(each for each in self.photos if each.edge_image is shown)
 
     def in_light_of(self, lights: Float, darkenings: Float) -> "Seen":
         """The same with the lit table at the body's foot as the measure, which in a lamp's light is as bright nowhere.
@@ -130,7 +134,8 @@ class Seen:
         at_foot = np.median(self.measured.relative[open_table] / expected[open_table, None], axis=0)
         measured = replace(self.measured, relative=(self.measured.relative / at_foot).astype(np.float32))
         observed = measured.observed(MEAN, templates, Lit(templates.lights, templates.shadows))
-        return replace(self, lit_rgb=self.lit_rgb * at_foot, measured=measured, observed=observed)
+        photos = tuple(replace(each, lit_rgb=each.lit_rgb * at_foot) for each in self.photos)
+        return replace(self, photos=photos, measured=measured, observed=observed)
 
     @property
     def beside_body(self) -> float:
@@ -141,7 +146,8 @@ class Seen:
         middle, reach = SIDE // 2, round(BESIDE_HEIGHTS * CELLS_A_HEIGHT)
         near = np.s_[middle - reach : middle + reach + 1, middle - reach : middle + reach + 1]
         values = self.measured.relative[near][self.measured.table.seen[near]]
-        ground = self.light[self.view.is_ground]
+        first = self.photos[0]
+        ground = first.light[first.view.is_ground]
         if not len(values) or not len(ground):
             return 1.0
         open_light = max(1.0, upper_quantile(ground, OPEN_TABLE) / float(self.lit_rgb.mean()))
@@ -171,37 +177,11 @@ class Seen:
         """At the outlines of the shadows of all lights that are looked for, beside `known` ones (l, 4)."""
         darkenings = self.beside(known).everywhere.darkenings
         sky = 1 - darkenings.sum(axis=1)
-        beside, is_table = self._at_outlines
-        is_away = self._away_from_edges(is_table, known)
-        return beside.seen(is_away, darkenings[:, -1], sky, DEEP)
-
-    @cached_property
-    def _at_outlines(self) -> tuple[Beside, Mask]:
-        """The picture beside the outlines of all shadows, and (h, w) what of it is bare table away from the body."""
-        around = self.around / np.float32(self.lit_rgb.mean())
-        is_table = cv2.erode((self.view.is_ground & (around < BRIGHTEST)).view(np.uint8), BESIDE_BODY)
-        beside = self.templates.rims.beside(around, pixel_from_cell(self.view, self.body))
-        return beside, is_table.view(bool)
-
-    def _away_from_edges(self, is_table: Mask, known: Float) -> Mask:
-        """(h, w) what of the table lies away from the edges of the shadows in `known` lights (l, 4)."""
-        is_away = is_table.view(np.uint8).copy()
-        for one in known:
-            edges = self.shadow_edges(one)
-            if edges is not None:
-                outline = np.round(edges.corners_px.clip(-FARTHEST_PX, FARTHEST_PX)).astype(np.int32)
-                cv2.polylines(is_away, [outline], True, 0, EDGE_BROAD_PX)
-        return is_away.view(bool)
-
-    @cached_property
-    def edge_image(self) -> EdgeImage:
-        """In which edges are seen wherever the table is, as long as no light is known."""
-        return EdgeImage(self.body, self.view, self.light, self.room)
-
-    @cached_by_array
-    def shadow_edges(self, light: Float) -> ShadowEdges | None:
-        """The outline of the body's shadow in a light (4,); None where it has none in the picture."""
-        return shadow_edges(self.body, light, self.view)
+        pictures = []
+        for photo in self.photos:
+            beside, is_table = photo.beside(self.templates.rims)
+            pictures.append((beside, photo.away_from_edges(is_table, known)))
+        return steps_in(pictures, darkenings[:, -1], sky, DEEP)
 
     @cached_by_array
     def darkenings_rgb(self, lights: Float) -> Float:
@@ -209,6 +189,36 @@ class Seen:
         known, nothing = self.lit(lights), self.lit(lights[:0])
         channels = (self.measured.observed(channel, self.templates, nothing) for channel in np.eye(3))
         return np.stack([MarginalLikelihood(channel, known).darkenings for channel in channels], axis=1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Shot:
+    """A view with its map of the table."""
+
+    view: View
+    errors: PoseShapeErrors | None
+    picture: Float32  # (h, w, 3) linear light, B, G, R
+    table: TableMap
+    gain: Float  # (3,) light R, G, B in the exposure of the first picture over that in its own
+
+
+def _shots(
+    view: View,
+    body: Proxy,
+    errors: PoseShapeErrors | None,
+    others: Sequence[tuple[View, PoseShapeErrors | None]],
+) -> list[_Shot]:
+    """The views that show the table in the scene of the first; none where that shows too little of it."""
+    shots: list[_Shot] = []
+    for each, its_errors in ((view, errors), *others):
+        picture = linear_picture(each)
+        table = table_around(each, body, picture)
+        gain = None if table is None else gain_between(shots[0].table, table) if shots else np.ones(3)
+        if table is not None and gain is not None:
+            shots.append(_Shot(each, its_errors, picture, table, gain))
+        elif not shots:
+            return []
+    return shots
 
 
 def _cells_away_from_edges(lit: Lit) -> Mask:

@@ -94,17 +94,25 @@ def take(spec: Params, picture: Params, raw: Any, out: Path) -> Params:
         photographed(each, on_ground, settings | {"seed": settings["seed"] + number}, gains)[0]
         for number, each in enumerate(light)
     ]
-    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, spec["marker"]["dictionary"]))
-    detector = cv2.aruco.ArucoDetector(dictionary)
-    found = []
-    for image in images:
-        ids = detector.detectMarkers(image)[1]
-        found.append(ids is not None and spec["marker"]["id"] in np.ravel(ids))
+    found = markers_found(spec, images)
     write_video(out / f"{picture['id']}.mp4", [image[..., ::-1] for image in images], spec["fps"])
     return scene_entry(spec, picture, raw) | {
         "video": f"{picture['id']}.mp4", "fps": spec["fps"], "span_deg": spec["span_deg"],
-        "frames": [frame_entry(spec, number, bool(seen)) for number, seen in enumerate(found)],
+        "frames": [frame_entry(spec, number, seen) for number, seen in enumerate(found)],
     }  # fmt: skip
+
+
+def markers_found(spec: Params, images: list[Any]) -> list[bool]:
+    """In which of a take's frames the marker is found: a tag by OpenCV's detector, the cube by ashe_live's tracker."""
+    marker = spec["marker"]
+    if "id" not in marker:
+        camera = Camera(tuple(spec["size"]), np.array(spec["camera"]["K"]), np.zeros(5), "file")
+        tracker = Tracker(camera, marker_name(marker), marker["side_m"])
+        return [tracker.track(image).marker is not None for image in images]
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, marker["dictionary"]))
+    detector = cv2.aruco.ArucoDetector(dictionary)
+    every_ids = (detector.detectMarkers(image)[1] for image in images)
+    return [ids is not None and marker["id"] in np.ravel(ids) for ids in every_ids]
 
 
 def write_truth(path: Path, content: Params, known: dict[str, Params]) -> None:

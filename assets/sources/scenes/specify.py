@@ -55,6 +55,8 @@ SETS = {
     "cube_development": SceneSet(15002, cubes=True),
     "cube_sealed": SceneSet(15003, sealed=True, cubes=True),
     "near_takes_training": SceneSet(14021, lamps=True, takes=True),
+    "cube_takes_training": SceneSet(15011, cubes=True, takes=True),
+    "cube_takes_sealed": SceneSet(15013, sealed=True, cubes=True, takes=True),
 }
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.proxy import PoseShapeErrors
 from ashe_live.light.known_body.outline.fit import ShadowFit
 from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.outline.profiles import EdgeImage
@@ -82,13 +81,13 @@ class ByEdges:
         return np.asarray(self.covariance[:2, :2] - self.covariance[2, 2] * np.outer(line, line))
 
 
-def by_edges(image: EdgeImage, fit: ShadowFit, darkening: float, errors: PoseShapeErrors | None) -> ByEdges | None:
+def by_edges(image: EdgeImage, fit: ShadowFit, darkening: float) -> ByEdges | None:
     """The light of a fit, with its nearness, as uncertain as the body's errors make it.
 
     None where these are not known and the nearness was held in the fit: nothing then says how the edges move with it.
     """
     reach = Reach.seen(fit, image, darkening)
-    adjusted = None if errors is None else beside_folds(fit, image, darkening, errors, with_nearness=True)
+    adjusted = beside_folds(fit, image, darkening, with_nearness=True)
     if adjusted is not None:
         return ByEdges(*adjusted, True, reach)
     if len(fit.covariance) < 3:

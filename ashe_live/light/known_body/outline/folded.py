@@ -8,7 +8,6 @@ generalised least squares (docs/maths, "Folds").
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.proxy import PoseShapeErrors
 from ashe_live.light.known_body.outline.fit import (
     EARLY_LOSS,
     EDGE_SIGMA_PX,
@@ -23,16 +22,15 @@ from ashe_live.light.known_body.outline.profiles import POINTS_A_SAMPLE, EdgeIma
 ROUNDS = 4  # of reweighted least squares
 
 
-def beside_folds(
-    fit: ShadowFit, image: EdgeImage, darkening: float, errors: PoseShapeErrors, with_nearness: bool
-) -> tuple[Float, Float] | None:
+def beside_folds(fit: ShadowFit, image: EdgeImage, darkening: float, with_nearness: bool) -> tuple[Float, Float] | None:
     """The light (4,), z = 1, as it is if the body is off as the edges of a fit say, and its (p, p) covariance: of
-    s = (x, y) / z and, `with_nearness`, of w / z. None where the fit's shadow has no edges in the picture.
+    s = (x, y) / z and, `with_nearness`, of w / z. None where the shadow has no edges in the picture, and where it is
+    not known how the body may be off.
 
     darkening: the part of the table's light that it gives, roughly.
     """
-    profiles = fit.profiles_in(image)
-    if profiles is None:
+    errors, profiles = image.pose_shape_errors, fit.profiles_in(image)
+    if errors is None or profiles is None:
         return None
     light, height = fit.light, image.height_m
     parameters = [0, 1, 3] if with_nearness else [0, 1]

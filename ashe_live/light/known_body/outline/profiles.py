@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import SIGMA_OVER_MAD, Float, Float32, Mask, upper_median, upper_quantile
-from ashe_live.core.proxy import Proxy
+from ashe_live.core.proxy import PoseShapeErrors, Proxy
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.table import height_px
@@ -19,6 +19,7 @@ LEAST_PX = 3.5  # that an edge is looked for on either side
 LEAST_STEP = 0.35  # of an edge, over the light that the shadow takes, from which on it is one
 OUTLIER_SHARE, OUTLIER_PX = 0.12, 0.5  # scale of Cauchy's loss: of the reach, and at least
 FARTHEST_PX = 1e4  # of an edge from the picture: beyond, it is looked for as if it were there
+AS_MUCH = 0.1  # of a shadow's outline: pictures that show so much less of it show it as well
 ALONG: Float32 = np.linspace(-1, 1, SAMPLES, dtype=np.float32)
 # (3, samples) weights of the dark level, the lit one, and the sum by the trapezoidal rule.
 LEVELS: Float32 = np.zeros((3, SAMPLES), np.float32)
@@ -136,6 +137,7 @@ class EdgeImage:
     view: View
     light: Float32  # (h, w) linear
     room: Room  # the bare table, without what is in the penumbrae of lights that are known
+    pose_shape_errors: PoseShapeErrors | None = None  # how the body and its frame may be off
 
     @property
     def height_m(self) -> float:
@@ -154,3 +156,26 @@ class EdgeImage:
     def profiles(self, edges: ShadowEdges, wanted_px: Float) -> Profiles:
         """The picture across predicted edges, within `wanted_px` (n,) of them, or less where there is less room."""
         return Profiles.of(edges, wanted_px, self.light, self.room)
+
+    def shown(self, light: Float) -> float:
+        """Of the outline of a light's (4,) shadow, the part that would be seen."""
+        edges = self.edges(light)
+        return 0.0 if edges is None else float((self.room.around(edges.points_px) >= LEAST_PX).mean())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EdgeImages:
+    """Pictures of one scene, in each of which the body hides other parts of its shadows."""
+
+    several: tuple[EdgeImage, ...]
+
+    def showing(self, light: Float) -> EdgeImage:
+        """The picture in which most of the outline of a light's (4,) shadow would be seen; of equals, the first."""
+        if len(self.several) == 1:
+            return self.several[0]
+        shown = [each.shown(light) for each in self.several]
+        return next(each for each, part in zip(self.several, shown, strict=True) if part > max(shown) - AS_MUCH)
+
+    def shown(self, light: Float) -> float:
+        """Of the outline of a light's (4,) shadow, the part that would be seen in some picture."""
+        return max(each.shown(light) for each in self.several)

@@ -6,6 +6,7 @@ import numpy as np
 
 from scenes.drawing.families import Params, Rng
 from scenes.geometry.poses import look_at, share_in_frame, square
+from scenes.geometry.shapes import placed_points
 
 SPANS_DEG = (3, 6, 12, 25, 40)
 FRAMES, FPS = 12, 6
@@ -15,6 +16,8 @@ TRIES = 200
 def frames(rng: Rng, scene: Params) -> Params:
     """`fps`, `span_deg` and for each frame `R` and `t`; the marker stays in view. Raises RuntimeError if it cannot."""
     camera, size = scene["camera"], scene["size"]
+    is_cube = scene["marker"]["dictionary"] == "cube"
+    marker = placed_points(scene["objects"][0], 0.0) if is_cube else square(scene["marker"]["side_m"])
     eye = -np.asarray(camera["R"]).T @ np.asarray(camera["t"])
     forward = np.asarray(camera["R"])[2]
     target = eye + forward * (-(eye[2] - 0.02) / forward[2])
@@ -31,7 +34,7 @@ def frames(rng: Rng, scene: Params) -> Params:
         nearer, roll = 1 + shake(0.02), shake(1.0)
         aims = target + np.column_stack([shake(0.006), shake(0.006), shake(0.003)])
         poses = [look_at(aims[k], azimuth + across[k], above[k], distance * nearer[k], roll[k]) for k in range(FRAMES)]
-        seen = [share_in_frame(camera | {"R": R, "t": t}, square(scene["marker"]["side_m"]), size, 4) for R, t in poses]
+        seen = [share_in_frame(camera | {"R": R, "t": t}, marker, size, 4) for R, t in poses]
         if min(seen) == 1:
             ways = np.array([_away(pose, target) for pose in poses])
             span = math.degrees(math.acos(np.clip((ways @ ways.T).min(), -1, 1)))  # of the two farthest apart

@@ -153,9 +153,12 @@ def still_entry(spec: Params, picture: Params, raw: Any, found: dict[str, Masks]
     return entry | {"R": camera["R"], "t": camera["t"], "visibility": counts}
 
 
-def frame_entry(spec: Params, number: int, corners_found: bool) -> Params:
+def frame_entry(spec: Params, number: int, marker_found: bool) -> Params:
     """What `frames` of a take's entry says of one frame."""
     pose = spec["frames"][number]
+    entry = {"frame": number, "time_s": round(number / spec["fps"], 5), "R": pose["R"], "t": pose["t"],
+             "marker_detected": marker_found}  # fmt: skip
+    if "id" not in spec["marker"]:
+        return entry  # the cube, which is no single square
     corners = projected(spec["camera"] | pose, corners_m(spec["marker"]))[0]
-    return {"frame": number, "time_s": round(number / spec["fps"], 5), "R": pose["R"], "t": pose["t"],
-            "marker_corners_px": np.round(corners, 3).tolist(), "marker_detected": corners_found}  # fmt: skip
+    return entry | {"marker_corners_px": np.round(corners, 3).tolist()}
