@@ -114,8 +114,7 @@ def _sun_beside_folds(seen: Seen, found: FoundLight, others: Sequence[FoundLight
     fit = found.fit
     if fit is None or found.is_lamp or found.may_be_lamp or fit.light[3] != 0:
         return found
-    image = images_beside(seen, others).showing(fit.light)
-    adjusted = beside_folds(fit, image, found.darkening, with_nearness=False)
+    adjusted = beside_folds(fit, images_beside(seen, others), found.darkening, with_nearness=False)
     if adjusted is None:
         return found
     light, covariance = adjusted

@@ -126,7 +126,7 @@ class Candidates:
             return True
         if fit.light[3] >= 0:
             return False
-        edges = by_edges(self.images.showing(fit.light), fit, darkening)
+        edges = by_edges(self.images, fit, darkening)
         return edges is not None and edges.is_beyond_suns
 
     @property

@@ -68,9 +68,9 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
     """
     if one.fit is None:
         return one
-    image = images_beside(seen, others).showing(one.casting)
-    fit = _likeliest_fit(image, one, size_rad)
-    edges = by_edges(image, fit, one.darkening)
+    images = images_beside(seen, others)
+    fit = _likeliest_fit(images.showing(one.casting), one, size_rad)
+    edges = by_edges(images, fit, one.darkening)
     if edges is None:
         return one
     nearness = _nearness(seen, edges, others)

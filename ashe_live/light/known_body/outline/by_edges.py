@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.outline.fit import ShadowFit
 from ashe_live.light.known_body.outline.folded import beside_folds
-from ashe_live.light.known_body.outline.profiles import EdgeImage
+from ashe_live.light.known_body.outline.profiles import EdgeImages
 from ashe_live.light.known_body.outline.reach import Reach
 
 # Standard deviation of a body's width over its height, where its errors are not known. A body that is wider by a
@@ -81,13 +81,14 @@ class ByEdges:
         return np.asarray(self.covariance[:2, :2] - self.covariance[2, 2] * np.outer(line, line))
 
 
-def by_edges(image: EdgeImage, fit: ShadowFit, darkening: float) -> ByEdges | None:
+def by_edges(images: EdgeImages, fit: ShadowFit, darkening: float) -> ByEdges | None:
     """The light of a fit, with its nearness, as uncertain as the body's errors make it.
 
     None where these are not known and the nearness was held in the fit: nothing then says how the edges move with it.
     """
+    image = images.showing(fit.light)
     reach = Reach.seen(fit, image, darkening)
-    adjusted = beside_folds(fit, image, darkening, with_nearness=True)
+    adjusted = beside_folds(fit, images, darkening, with_nearness=True)
     if adjusted is not None:
         return ByEdges(*adjusted, True, reach)
     if len(fit.covariance) < 3:

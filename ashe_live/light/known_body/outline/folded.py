@@ -17,18 +17,54 @@ from ashe_live.light.known_body.outline.fit import (
     moved,
     prior_of,
 )
-from ashe_live.light.known_body.outline.profiles import POINTS_A_SAMPLE, EdgeImage
+from ashe_live.light.known_body.outline.profiles import POINTS_A_SAMPLE, EdgeImage, EdgeImages
 
 ROUNDS = 4  # of reweighted least squares
+AGREE_SIGMAS = 3.0  # Mahalanobis distance between the lights by two pictures, up to which they agree
 
 
-def beside_folds(fit: ShadowFit, image: EdgeImage, darkening: float, with_nearness: bool) -> tuple[Float, Float] | None:
+def beside_folds(
+    fit: ShadowFit, images: EdgeImages, darkening: float, with_nearness: bool
+) -> tuple[Float, Float] | None:
     """The light (4,), z = 1, as it is if the body is off as the edges of a fit say, and its (p, p) covariance: of
-    s = (x, y) / z and, `with_nearness`, of w / z. None where the shadow has no edges in the picture, and where it is
+    s = (x, y) / z and, `with_nearness`, of w / z. None where the shadow has no edges in the pictures, and where it is
     not known how the body may be off.
+
+    By the picture that it was fitted in, and those others that show as much of the shadow and agree: their mean. As
+    the same folds are behind all of them, it is as uncertain as they are on average (covariance intersection, Julier
+    and Uhlmann, 1997).
 
     darkening: the part of the table's light that it gives, roughly.
     """
+    several = images.all_showing(fit.light)
+    own, *others = (_beside_folds_in(image, fit, darkening, with_nearness) for image in several)
+    if own is None:
+        return None
+    parameters = [0, 1, 3] if with_nearness else [0, 1]
+    agreeing = [each for each in others if each is not None and _agree(each, own, parameters)]
+    if not agreeing:
+        return own
+    found = sorted([own, *agreeing], key=lambda each: float(np.linalg.det(each[1])))
+    information = np.array([np.linalg.inv(covariance) for _, covariance in found])
+    # A vague one has nothing to say beside an exact one.
+    together = [count * np.linalg.inv(information[:count].sum(axis=0)) for count in range(1, len(found) + 1)]
+    best = min(range(len(found)), key=lambda number: float(np.linalg.det(together[number])))
+    values = np.array([light[parameters] for light, _ in found[: best + 1]])
+    light = own[0].copy()
+    light[parameters] = together[best] @ np.einsum("nij,nj->i", information[: best + 1], values) / (best + 1)
+    return light, together[best]
+
+
+def _agree(one: tuple[Float, Float], other: tuple[Float, Float], parameters: list[int]) -> bool:
+    """Whether two lights with their covariances may be the same."""
+    away = one[0][parameters] - other[0][parameters]
+    return bool(away @ np.linalg.solve(one[1] + other[1], away) < AGREE_SIGMAS**2)
+
+
+def _beside_folds_in(
+    image: EdgeImage, fit: ShadowFit, darkening: float, with_nearness: bool
+) -> tuple[Float, Float] | None:
+    """As `beside_folds`, by one picture."""
     errors, profiles = image.pose_shape_errors, fit.profiles_in(image)
     if errors is None or profiles is None:
         return None
