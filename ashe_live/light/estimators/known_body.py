@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -40,18 +41,21 @@ def estimate_by_body(
 ) -> tuple[LightEstimate, View]:
     """The lights that cast the shadows of `body` (marker frame), and the view of the frame, which must have a marker.
 
-    others: frames of the same scene with a marker, in which the body hides other parts of its shadows. width_px: of the
-    frames at the resolution that is used. name: of the estimator.
+    others: further frames of the scene, in which the body hides other parts of its shadows; one with too little of the
+    table is left out. width_px: of the frames at the resolution that is used. name: of the estimator.
     """
     clock = StageClock()
     view = View.of(tracked, width_px)
     beside = [(View.of(each, width_px), each.pose.pose_shape_errors) for each in others]
     seen = Seen.of(view, body, tracked.pose.pose_shape_errors, beside)
     clock.end("segment")
+    used = [] if seen is None else [each for each, (its, _) in zip(others, beside, strict=True) if seen.shows(its)]
+    index, *more = (each.frame.index for each in (tracked, *used))
+    answered = partial(LightEstimate, name, index, views=(index, *more))
 
     def none(reason: str) -> tuple[LightEstimate, View]:
         reason = fault_of_exposure(view) or reason
-        return LightEstimate(name, tracked.frame.index, Illumination(), reason, timing_ms=clock.timing_ms()), view
+        return answered(Illumination(), reason, timing_ms=clock.timing_ms()), view
 
     if seen is None:
         return none(TOO_LITTLE_GROUND)
@@ -67,14 +71,7 @@ def estimate_by_body(
     illumination = _illumination(found.seen, likely, dark, tracked)
     body_mask, shadow_mask = masks_of(seen, likely)
     clock.end("judge")
-    estimate = LightEstimate(
-        name,
-        tracked.frame.index,
-        illumination,
-        object_mask=body_mask,
-        shadow_mask=shadow_mask,
-        timing_ms=clock.timing_ms(),
-    )
+    estimate = answered(illumination, object_mask=body_mask, shadow_mask=shadow_mask, timing_ms=clock.timing_ms())
     return estimate, view
 
 

@@ -13,8 +13,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Mask, without
+from ashe_live.core.arrays import Float, Mask, without
 from ashe_live.core.light import Illumination, LightEstimate, StageClock
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.known_body import estimate_by_body
@@ -40,9 +41,13 @@ from ashe_live.light.explanation.no_answer import (
 )
 from ashe_live.light.lamps.fall.low_lamps import is_under_low_lamp
 from ashe_live.light.lamps.kinds import SUN
+from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreeing_views import without_confirming
 from ashe_live.light.views.ground_height import COMPARED, height_above_ground, seen_from_ground, seen_from_marker
 from ashe_live.light.views.selection import span_rad, usable
+
+# Views of a known body that are used together at most, the farthest apart: what one of them hides another shows.
+VIEWS_OF_BODY = 4
 
 
 class ProxyEstimator:
@@ -66,11 +71,7 @@ class ProxyEstimator:
             raise ValueError("a frame without a marker has no marker frame to answer in")
         if tracked.marker.body is not None:
             # The marker is printed on a known body, which casts a shadow itself.
-            beside = usable(tracked, others, self._preset.views - 1)
-            estimate, view = estimate_by_body(
-                tracked, beside, tracked.marker.body, self._preset.fine_width_px, self.name
-            )
-            return estimate, Trace(view)
+            return self._of_known_body(tracked, others, tracked.marker.body)
         if tracked.clean_plate_bgr is not None:
             others = ()  # they show the ground's pattern, and nothing in common with a view over plain ground
         compared = usable(tracked, others, min(COMPARED, self._preset.views - 1))
@@ -80,6 +81,27 @@ class ProxyEstimator:
         tracked, *others = (seen_from_ground(each, height_m) for each in (tracked, *others))
         estimate, trace = self._of_agreeing(tracked, others)
         return replace(estimate, illumination=seen_from_marker(estimate.illumination, height_m)), trace
+
+    def _of_known_body(
+        self, tracked: TrackedFrame, others: Sequence[TrackedFrame], body: Proxy
+    ) -> tuple[LightEstimate, Trace]:
+        """As `traced`, where the marker is printed on a body; frames that show another scene are left out."""
+
+        def estimated(beside: Sequence[TrackedFrame]) -> tuple[LightEstimate, View]:
+            return estimate_by_body(tracked, beside, body, self._preset.fine_width_px, self.name)
+
+        left = list(others)
+        while True:
+            beside = usable(tracked, left, VIEWS_OF_BODY - 1)
+            estimate, view = estimated(beside)
+            used = [each for each in beside if each.frame.index in estimate.views]
+            # Views that contradict each other may leave no answer; then the first view's answer shows which ones do.
+            explained = estimate if estimate.light is not None or not used else estimated(())[0]
+            odd = contradicting(explained, tracked, used, self._preset)
+            if not odd:
+                span = _span_rad([each.pose.T_cam_marker for each in (tracked, *used)])
+                return replace(estimate, span_rad=span), Trace(view)
+            left = without(left, odd)
 
     def _of_agreeing(self, tracked: TrackedFrame, others: Sequence[TrackedFrame]) -> tuple[LightEstimate, Trace]:
         """As `traced`, of frames in which the plane z = 0 is the ground; those that show another scene are left out."""
@@ -126,7 +148,6 @@ class ProxyEstimator:
         looks = [first, *(looked(tracked, (), each, judge, clock) for each in further if is_alone)]
         answer = _answer_by(looks, tracked, judge, preset, clock)
         body, shadow = (None, None) if answer.explanation is None else _masks_of(answer.explanation)
-        directions = [view_direction(view.coarse.T_cam_marker) for view in first.views]
         estimate = LightEstimate(
             estimator=self.name,
             frame_index=tracked.frame.index,
@@ -136,7 +157,7 @@ class ProxyEstimator:
             shadow_mask=shadow,
             timing_ms=clock.timing_ms(),
             views=tuple(view.index for view in first.views),
-            span_rad=span_rad(directions) if len(directions) > 1 else None,
+            span_rad=_span_rad([view.coarse.T_cam_marker for view in first.views]),
         )
         return estimate, answer.look
 
@@ -196,6 +217,11 @@ def _shows_sky_alone(choice: Choice) -> bool:
     each_view = (depths_beyond_sky(view.fine, best.proxy, lights) for view in choice.look.views)
     depths = next((depths for depths in each_view if any(depth is not None for depth in depths)), None)
     return depths is not None and is_of_sky_alone(depths, seeming)
+
+
+def _span_rad(poses: Sequence[Float]) -> float | None:
+    """The largest angle between the directions of views with poses T_cam_marker (4, 4); None for one view."""
+    return span_rad([view_direction(each) for each in poses]) if len(poses) > 1 else None
 
 
 def _likeliest(trace: Trace) -> Explanation:

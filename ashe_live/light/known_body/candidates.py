@@ -11,9 +11,10 @@ from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.found_light import FoundLight
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.outline.by_edges import by_edges
+from ashe_live.light.known_body.outline.confirmed import confirmed
 from ashe_live.light.known_body.outline.fit import ShadowFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
-from ashe_live.light.known_body.outline.profiles import EdgeImage, EdgeImages
+from ashe_live.light.known_body.outline.profiles import EdgeImages
 from ashe_live.light.known_body.rims import LEAST_DARKENING
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.templates import Templates
@@ -143,12 +144,12 @@ class Candidates:
 
     def _fit(self, number: int, start: _Start) -> tuple[ShadowFit | None, float]:
         """The fit from a start near a template, and the darkening that it was made with."""
-        fit = _moved_onto_edges(self.images.showing(start.light), start.light, start.darkening)
+        fit = _moved_onto_edges(self.images, start.light, start.darkening)
         if fit is None and self.steps[number] >= 0 and self.score[number] >= 0:
             # The map is misled by its stains, and may have led away from what is there.
             own = float(self._darkenings[number])
             template = self.seen.templates.lights[number]
-            at_template = _moved_onto_edges(self.images.showing(template), template, own)
+            at_template = _moved_onto_edges(self.images, template, own)
             if at_template is not None and at_template.clear > CLEAR:
                 return at_template, own
         return fit, start.darkening
@@ -164,14 +165,16 @@ def _finds_again(seen: Seen, start: Float, found: FoundLight) -> bool:
     return bool(normalised(start[:3]) @ found.sun_alike(seen.body.height_m) > math.cos(APART_RAD))
 
 
-def _moved_onto_edges(image: EdgeImage, start: Float, darkening: float) -> ShadowFit | None:
+def _moved_onto_edges(images: EdgeImages, start: Float, darkening: float) -> ShadowFit | None:
     """The fit near a sun `start` (4,): as a sun, or as a lamp where no sun explains the edges; None if neither does."""
     if darkening <= 0:
         return None
+    image = images.showing(start)
     lamp = np.append(start[:2] / start[2] * (1 - LAMP_NEARNESS * image.height_m), (1.0, LAMP_NEARNESS))
     best: ShadowFit | None = None
     for light, is_lamp in ((start, False), (lamp, True)):
         fit = fitted(image, light, darkening, with_nearness=is_lamp)
+        fit = None if fit is None else confirmed(fit, images, darkening)
         is_near = fit is not None and normalised(fit.light[:3]) @ normalised(light[:3]) > math.cos(MOST_MOVED_RAD)
         if fit is not None and is_near and fit.clear > LEAST_CLEAR and edge_log_odds(fit) > edge_log_odds(best):
             best = fit

@@ -11,6 +11,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.candidates import APART_RAD
 from ashe_live.light.known_body.found_light import FoundLight, hidden_step, images_beside, points_of
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
+from ashe_live.light.known_body.outline.confirmed import confirmed
 from ashe_live.light.known_body.outline.elsewhere import most_log_odds
 from ashe_live.light.known_body.outline.odds import OF_ONLY_LIGHT, ShadowDepths, with_edges
 from ashe_live.light.known_body.rims import LEAST_DARKENING
@@ -56,9 +57,10 @@ def with_confidence(
     """
     others = [other for other in among if other is not one]
     darkening = float(dark_rgb.mean())
-    image = images_beside(seen, others).showing(one.casting)
+    images = images_beside(seen, others)
+    image = images.showing(one.casting)
     if others and one.fit is not None:
-        one = replace(one, fit=one.fit.seen_again_in(image, darkening))
+        one = replace(one, fit=confirmed(one.fit.seen_again_in(image, darkening), images, darkening))
     beside = seen.beside(points_of(others)) if others else alone
     posterior = _posterior(seen, one, others, beside, ruled_out)
     depths = AMONG_OTHERS if others else OF_ONLY_LIGHT

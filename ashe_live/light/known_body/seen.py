@@ -13,12 +13,13 @@ from ashe_live.core.transforms import camera_centre
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.observed import Lit, Observed
 from ashe_live.light.known_body.outline.profiles import EdgeImages
-from ashe_live.light.known_body.pictures.merged import gain_between, merged_facets, merged_tables
+from ashe_live.light.known_body.pictures.merged import merged_facets, merged_table
 from ashe_live.light.known_body.pictures.photo import Photo
+from ashe_live.light.known_body.pictures.shots import shots_of
 from ashe_live.light.known_body.rims import RimSteps, steps_in
 from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.sides.bounce import sent_by_sides
-from ashe_live.light.known_body.sides.facets import Facets, facets_of
+from ashe_live.light.known_body.sides.facets import Facets
 from ashe_live.light.known_body.sides.shading import PAPER, Sides, fall_off
 from ashe_live.light.known_body.table import (
     BRIGHTEST,
@@ -26,11 +27,9 @@ from ashe_live.light.known_body.table import (
     LEAST_CELLS,
     SIDE,
     TableMap,
-    linear_picture,
     places,
     relative_light,
     sent_by_table,
-    table_around,
 )
 from ashe_live.light.known_body.templates import Templates, templates_of
 from ashe_live.light.pixels.view import View
@@ -83,30 +82,30 @@ class Seen:
     ) -> "Seen | None":
         """By a view and others of the same scene; None where next to nothing of the table is in the first.
 
-        errors: how body and frame may be off in a view. Another view with too little of the table, or which shows
-        another scene, is left out.
+        errors: how body and frame may be off in a view. Another view with too little of the table is left out.
         """
-        shots = _shots(view, body, errors, others)
+        shots = shots_of([(view, errors), *others], body)
         if not shots:
             return None
-        gains = [each.gain for each in shots]
-        table = merged_tables([each.table for each in shots], gains) if len(shots) > 1 else shots[0].table
+        table, facets = merged_table(shots), merged_facets(shots, body)
         relative, lit_rgb = relative_light(table)
-        several = [facets_of(each.view, body, each.picture) for each in shots]
-        facets = merged_facets(several, gains) if len(shots) > 1 else several[0]
         templates = templates_of(body).and_behind(camera_centre(view.T_cam_marker), body)
         by_table = sent_by_table(body, table, relative, facets.normals, facets.centres)
         relative = relative - sent_by_sides(templates.from_sides, facets) * table.seen[..., None]
         measured = Measured(table, relative, facets, PAPER * lit_rgb * by_table)
         observed = measured.observed(MEAN, templates, Lit(templates.lights, templates.shadows))
         is_table = observed.weight.reshape(SIDE, SIDE) > 0
-        photos = tuple(Photo.of(each.view, body, each.picture, lit_rgb / each.gain, each.errors) for each in shots)
+        photos = tuple(Photo.of(each, body, lit_rgb / each.gain) for each in shots)
         return Seen(body, photos, is_table, templates, measured, observed)
 
     @property
     def lit_rgb(self) -> Float:
         """(3,) linear light of the lit table, R, G, B, in the first picture; where lamps are known, at the foot."""
         return self.photos[0].lit_rgb
+
+    def shows(self, view: View) -> bool:
+        """Whether a view is among the pictures."""
+        return any(each.view is view for each in self.photos)
 
     @cached_property
     def edge_images(self) -> EdgeImages:
@@ -177,10 +176,7 @@ class Seen:
         """At the outlines of the shadows of all lights that are looked for, beside `known` ones (l, 4)."""
         darkenings = self.beside(known).everywhere.darkenings
         sky = 1 - darkenings.sum(axis=1)
-        pictures = []
-        for photo in self.photos:
-            beside, is_table = photo.beside(self.templates.rims)
-            pictures.append((beside, photo.away_from_edges(is_table, known)))
+        pictures = [photo.beside(self.templates.rims, known) for photo in self.photos]
         return steps_in(pictures, darkenings[:, -1], sky, DEEP)
 
     @cached_by_array
@@ -189,36 +185,6 @@ class Seen:
         known, nothing = self.lit(lights), self.lit(lights[:0])
         channels = (self.measured.observed(channel, self.templates, nothing) for channel in np.eye(3))
         return np.stack([MarginalLikelihood(channel, known).darkenings for channel in channels], axis=1)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Shot:
-    """A view with its map of the table."""
-
-    view: View
-    errors: PoseShapeErrors | None
-    picture: Float32  # (h, w, 3) linear light, B, G, R
-    table: TableMap
-    gain: Float  # (3,) light R, G, B in the exposure of the first picture over that in its own
-
-
-def _shots(
-    view: View,
-    body: Proxy,
-    errors: PoseShapeErrors | None,
-    others: Sequence[tuple[View, PoseShapeErrors | None]],
-) -> list[_Shot]:
-    """The views that show the table in the scene of the first; none where that shows too little of it."""
-    shots: list[_Shot] = []
-    for each, its_errors in ((view, errors), *others):
-        picture = linear_picture(each)
-        table = table_around(each, body, picture)
-        gain = None if table is None else gain_between(shots[0].table, table) if shots else np.ones(3)
-        if table is not None and gain is not None:
-            shots.append(_Shot(each, its_errors, picture, table, gain))
-        elif not shots:
-            return []
-    return shots
 
 
 def _cells_away_from_edges(lit: Lit) -> Mask:

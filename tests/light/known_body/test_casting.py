@@ -10,11 +10,12 @@ from ashe_live.core.transforms import normalised
 from ashe_live.light.explanation.judgement.judge import logit
 from ashe_live.light.known_body import candidates, lamps
 from ashe_live.light.known_body.candidates import APART_RAD, Candidates
-from ashe_live.light.known_body.found_light import FoundLight, image_beside
+from ashe_live.light.known_body.found_light import FoundLight, images_beside
 from ashe_live.light.known_body.lamps import LAMP_ODDS, _Nearness, _nearness, as_lamps
 from ashe_live.light.known_body.lights import _refitted
 from ashe_live.light.known_body.outline.by_edges import WIDTH_SIGMA, ByEdges, by_edges
 from ashe_live.light.known_body.outline.fit import fitted, nearness_sigma
+from ashe_live.light.known_body.outline.profiles import EdgeImages
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.ambient import open_sky_rgb
 from ashe_live.light.pixels.view import View
@@ -43,7 +44,7 @@ def seen() -> Seen:
 
 def on_its_edges(seen: Seen, azimuth_deg: float, elevation_deg: float) -> FoundLight:
     start, darkening = sun(azimuth_deg, elevation_deg).point, ON_TABLE / (2 * ON_TABLE + SKY)
-    fit = fitted(image_beside(seen, ()), start, darkening)
+    fit = fitted(seen.photos[0].edge_image, start, darkening)
     assert fit is not None
     return FoundLight(fit.light, fit.covariance, fit, darkening)
 
@@ -98,7 +99,7 @@ def test_edges_that_surely_draw_together_are_no_lights(
     monkeypatch.setattr(candidates, "by_edges", lambda *_: ByEdges(beyond, np.diag([1e-4, 1e-4, sigma**2]), True))
     alone = seen.beside(NO_LIGHTS)
     found, ruled_out = Candidates(
-        seen, alone, image_beside(seen, ()), alone.everywhere.log_likelihood, seen.rims(NO_LIGHTS).cautious
+        seen, alone, images_beside(seen, ()), alone.everywhere.log_likelihood, seen.rims(NO_LIGHTS).cautious
     ).refined()
     assert any(one.fit is fit for one in found) == is_light
     near = [each for each in ruled_out if normalised(each[:3]) @ normalised(suns[0].light[:3]) > np.cos(APART_RAD)]
@@ -134,7 +135,7 @@ def test_a_lamps_shadow_stays_on_its_edges_whatever_map_and_sides_say_of_its_dis
     assert near.light[3] == 4.0
     assert far.light[3] == 1.5
     assert near.fit is not None
-    profiles = near.fit.profiles_in(image_beside(seen, suns[1:]))
+    profiles = near.fit.profiles_in(images_beside(seen, suns[1:]).several[0])
     assert profiles is not None
     are_edges = profiles.are_steps(near.darkening)
     assert np.median(np.abs(profiles.offset_px[are_edges])) < 0.5
@@ -150,7 +151,7 @@ def test_what_is_likelier_a_sun_after_all_is_the_sun_that_its_edges_show(
     if found_as == "a lamp":
         start = suns[0].sun_alike(seen.body.height_m)
         near = np.append(start[:2] / start[2] * (1 - 3 * seen.body.height_m), (1.0, 3.0))
-        fit = fitted(image_beside(seen, ()), near, suns[0].darkening, with_nearness=True)
+        fit = fitted(seen.photos[0].edge_image, near, suns[0].darkening, with_nearness=True)
         assert fit is not None
         assert abs(fit.light[3]) > 0.1
         one = FoundLight(fit.light, fit.covariance, fit, suns[0].darkening)
@@ -163,10 +164,10 @@ def test_what_is_likelier_a_sun_after_all_is_the_sun_that_its_edges_show(
 def test_a_body_that_may_be_wider_leaves_open_a_nearer_lamp_whose_shadow_ends_at_the_same_place(
     seen: Seen, suns: list[FoundLight]
 ) -> None:
-    image, height, one = image_beside(seen, ()), seen.body.height_m, suns[0]
+    image, height, one = replace(seen.photos[0].edge_image, pose_shape_errors=None), seen.body.height_m, suns[0]
     fit = fitted(image, one.light, one.darkening, with_nearness=True)
     assert fit is not None
-    edges = by_edges(image, fit, one.darkening, None)
+    edges = by_edges(EdgeImages((image,)), fit, one.darkening)
     assert edges is not None
     assert not edges.has_folds
     spread, axes = np.linalg.eigh(edges.covariance - fit.covariance)
@@ -180,7 +181,7 @@ def test_a_body_that_may_be_wider_leaves_open_a_nearer_lamp_whose_shadow_ends_at
 
     assert end(wider) == pytest.approx(end(fit.light))
     assert wider[2:] == pytest.approx((1.0, fit.light[3] + WIDTH_SIGMA / height))
-    assert by_edges(image, one.fit, one.darkening, None) is None  # no edges tell how near it is
+    assert by_edges(EdgeImages((image,)), one.fit, one.darkening) is None  # no edges tell how near it is
 
 
 @pytest.mark.parametrize("sigmas_away", [0.0, 1.0, 2.0, 3.0, 5.0])

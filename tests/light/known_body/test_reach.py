@@ -5,7 +5,6 @@ import pytest
 
 from ashe_live.bench.cube.scenes import lamp
 from ashe_live.core.arrays import Float
-from ashe_live.light.known_body.found_light import image_beside
 from ashe_live.light.known_body.outline.by_edges import ByEdges
 from ashe_live.light.known_body.outline.fit import ShadowFit, fitted
 from ashe_live.light.known_body.outline.profiles import EdgeImage
@@ -30,7 +29,7 @@ def fit_of(light: PaintedLight, tilt_deg: float, turn_deg: float) -> tuple[Shado
     assert tracked.marker.body is not None
     seen = Seen.of(View.of(tracked, 640), tracked.marker.body, tracked.marker.pose_shape_errors)
     assert seen is not None
-    image = image_beside(seen, ())
+    image = seen.photos[0].edge_image
     fit = fitted(image, light.point / light.point[2], DARKENING, with_nearness=True)
     assert fit is not None
     return fit, image

@@ -6,7 +6,7 @@ import pytest
 
 from ashe_live.core.arrays import Float32, Mask
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.known_body.rims import Rims
+from ashe_live.light.known_body.rims import Rims, steps_in
 from ashe_live.light.known_body.shadows import cells_of, shadows_of
 from ashe_live.light.known_body.table import SIDE
 from ashe_live.light.known_body.templates import Templates, templates_of
@@ -34,7 +34,7 @@ def log_odds(
 ) -> tuple[np.ndarray, np.ndarray]:
     count = len(templates.lights)
     darkenings, skies = np.full(count, DARKENING), np.full(count, sky)
-    return templates.rims.beside(values, FROM_ABOVE).seen(seen, darkenings, skies, 0.1)[:2]
+    return steps_in([(templates.rims.beside(values, FROM_ABOVE), seen)], darkenings, skies, 0.1)[:2]
 
 
 def test_the_light_whose_shadow_it_is_has_the_best_odds(body: Proxy, templates: Templates) -> None:
@@ -56,7 +56,8 @@ def test_on_a_rough_table_a_shadow_has_deeper_steps_than_stains(
     for _ in range(4):
         stained = 1 - DARKENING / 2 * shadows_of(body, LIGHT).one(0) + rng.normal(0, rough, (SIDE, SIDE))
         nothing = np.zeros(len(templates.lights))
-        steps = templates.rims.beside(stained.astype(np.float32), FROM_ABOVE).seen(ALL, nothing, nothing, 0.1)
+        beside = templates.rims.beside(stained.astype(np.float32), FROM_ABOVE)
+        steps = steps_in([(beside, ALL)], nothing, nothing, 0.1)
         by_depth = steps.by_depth()
         assert templates.lights[int(by_depth.argmax()), :3] @ own > np.cos(np.radians(12))
         elsewhere = (templates.lights[:, :3] @ own < 0.3) & (steps.in_view > 0.5)
@@ -85,7 +86,7 @@ def test_of_further_lights_nothing_is_seen(body: Proxy) -> None:
     beside = Rims.of(body, LIGHT, np.zeros(SIDE * SIDE, np.float32)).beside(
         np.ones((SIDE, SIDE), np.float32), FROM_ABOVE
     )
-    visible, odds, *_ = steps = beside.seen(ALL, np.ones(3), np.zeros(3), 0.1)
+    visible, odds, *_ = steps = steps_in([(beside, ALL)], np.ones(3), np.zeros(3), 0.1)
     assert visible[0] > 0.5
     assert not visible[1:].any()
     assert not odds[1:].any()
@@ -102,7 +103,7 @@ def test_a_shadow_narrower_than_two_cells_is_seen_in_a_finer_picture(body: Proxy
     on_table, _ = cells_of(body, np.array([[0.0, 0.0, 1.0, 0.0]]))
     cv2.fillConvexPoly(seen, cv2.convexHull(np.round(FINER * on_table[0]).astype(np.int32)), 0)
     beside, count = templates.rims.beside(finer, np.diag([FINER, FINER, 1.0])), len(templates.lights)
-    visible, odds, *_ = beside.seen(seen.view(bool), np.full(count, DARKENING), np.zeros(count), 0.1)
+    visible, odds, *_ = steps_in([(beside, seen.view(bool))], np.full(count, DARKENING), np.zeros(count), 0.1)
     own = (templates.lights[:, :3] @ light[:3]).argmax()
     assert visible[own] > 0.2
     assert odds[own] > 4

@@ -12,6 +12,7 @@ from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.profiles import EdgeImage
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.outline.texture import without_texture
+from ashe_live.light.known_body.pictures.shots import Shot
 from ashe_live.light.known_body.rims import Beside, Rims
 from ashe_live.light.known_body.table import BRIGHTEST, pixel_from_cell
 from ashe_live.light.pixels.view import View
@@ -35,11 +36,11 @@ class Photo:
     pose_shape_errors: PoseShapeErrors | None = None  # how the body and its frame may be off
 
     @staticmethod
-    def of(view: View, body: Proxy, picture: Float32, lit_rgb: Float, errors: PoseShapeErrors | None) -> "Photo":
-        """Of the view's linear `picture`, in which the lit table has the light `lit_rgb`."""
-        light = np.asarray(cv2.transform(picture, np.full((1, 3), 1 / 3)), dtype=np.float32)
-        light, around = without_texture(light, view.is_ground, float(lit_rgb.mean()))
-        return Photo(view, body, picture, light, around, lit_rgb, Room.of(view, body), errors)
+    def of(shot: Shot, body: Proxy, lit_rgb: Float) -> "Photo":
+        """lit_rgb: (3,) linear light R, G, B of the lit table in its picture."""
+        light = np.asarray(cv2.transform(shot.picture, np.full((1, 3), 1 / 3)), dtype=np.float32)
+        light, around = without_texture(light, shot.view.is_ground, float(lit_rgb.mean()))
+        return Photo(shot.view, body, shot.picture, light, around, lit_rgb, Room.of(shot.view, body), shot.errors)
 
     @cached_property
     def edge_image(self) -> EdgeImage:
@@ -51,19 +52,22 @@ class Photo:
         """The outline of the body's shadow in a light (4,); None where it has none in the picture."""
         return shadow_edges(self.body, light, self.view)
 
-    @once_for_each
-    def beside(self, rims: Rims) -> tuple[Beside, Mask]:
-        """The picture beside shadows' outlines, and (h, w) what of it is bare table away from the body."""
-        around = self.around / np.float32(self.lit_rgb.mean())
-        is_table = cv2.erode((self.view.is_ground & (around < BRIGHTEST)).view(np.uint8), BESIDE_BODY)
-        return rims.beside(around, pixel_from_cell(self.view, self.body)), is_table.view(bool)
-
-    def away_from_edges(self, is_table: Mask, known: Float) -> Mask:
-        """(h, w) what of the table lies away from the edges of the shadows in `known` lights (l, 4)."""
+    def beside(self, rims: Rims, known: Float) -> tuple[Beside, Mask]:
+        """The picture beside shadows' outlines; and (h, w) what of it is bare table away from the body, and from the
+        edges of the shadows in `known` lights (l, 4).
+        """
+        beside, is_table = self._at_outlines(rims)
         is_away = is_table.view(np.uint8).copy()
         for one in known:
             edges = self.shadow_edges(one)
             if edges is not None:
                 outline = np.round(edges.corners_px.clip(-FARTHEST_PX, FARTHEST_PX)).astype(np.int32)
                 cv2.polylines(is_away, [outline], True, 0, EDGE_BROAD_PX)
-        return is_away.view(bool)
+        return beside, is_away.view(bool)
+
+    @once_for_each
+    def _at_outlines(self, rims: Rims) -> tuple[Beside, Mask]:
+        """As `beside`, whatever lights are known."""
+        around = self.around / np.float32(self.lit_rgb.mean())
+        is_table = cv2.erode((self.view.is_ground & (around < BRIGHTEST)).view(np.uint8), BESIDE_BODY)
+        return rims.beside(around, pixel_from_cell(self.view, self.body)), is_table.view(bool)
