@@ -66,7 +66,7 @@ class CubeBench(Bench):
             yield from ((one.name, painted_pictures(one, self.count, self.seed)) for one in SETS)
             return
         for category, entries in traced_pictures(self.scenes).items():
-            yield category, (traced_picture(*each) for each in entries)
+            yield category, map(traced_picture, entries)
 
     def _tracking(self) -> list[Json]:
         table = figures_table(

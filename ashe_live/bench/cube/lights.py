@@ -28,34 +28,33 @@ from ashe_live.quality import Quality
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.tracker import MarkerTracker
 
-FPS = 30  # of frames by which a cube is followed
-
 
 def light_row(name: str, pictures: Iterable[CubePicture], quality: Quality) -> Json:
     """Errors of the strongest light, of the true one that is found worst, and of the ambient light.
 
-    Each picture is a cube's first, or the last of those in which it was followed, with the tracker's own pose.
+    Each picture is a cube's first, or the last of those in which it was followed, with the tracker's own pose; and with
+    these as further views, where they are given together.
     """
     estimator, tally = make_estimator("proxy", quality.light), _Tally()
     for picture in pictures:
         tally.seen.append(picture.shows_shadows)
-        tracked = _followed(picture, quality)
+        *before, tracked = _followed(picture, quality)
         if tracked.marker is None:
             continue
+        others = [each for each in before if each.marker is not None] if picture.together else []
         begin = time.thread_time()
-        estimate = estimator.estimate(tracked)
+        estimate = estimator.estimate(tracked, others)
         tally.spent_ms.append(1e3 * (time.thread_time() - begin))
         if estimate.lights:
             tally.add(estimate, picture)
     return tally.row(name)
 
 
-def _followed(picture: CubePicture, quality: Quality) -> TrackedFrame:
-    """The picture as the tracker sees it after those before it."""
+def _followed(picture: CubePicture, quality: Quality) -> list[TrackedFrame]:
+    """The frames before the picture, and last itself, as one tracker sees them."""
     tracker = MarkerTracker(cube_layout(), picture.camera, picture.edge_m, quality.tracking)
-    for index, image in enumerate(chain(picture.before, [picture.image])):
-        tracked = tracker.track(Frame(image, index, index / FPS))
-    return tracked
+    images = chain(picture.before, [picture.image])
+    return [tracker.track(Frame(image, index, index / picture.fps)) for index, image in enumerate(images)]
 
 
 @dataclass

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
@@ -13,12 +13,14 @@ from ashe_live.bench.cube.ambient import NORMALS, painted_sky
 from ashe_live.bench.cube.painted_scene import CubeScene, hull_of
 from ashe_live.bench.cube.painter import cast_on_table, painted, projected
 from ashe_live.bench.cube.scenes import CubeSet, before
+from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.core.arrays import Float, Image, Mask, directions_on_spiral
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
 from ashe_live.errors import UserError
 from ashe_live.tracking.cube.faces import CUBE
 
+FPS = 30.0  # of painted frames by which a cube is followed
 # Of the cube's area in the picture, from which on a shadow is seen: less is a sliver beside the cube's foot.
 SEEN = 0.05
 
@@ -37,6 +39,8 @@ class CubePicture:
     sky_on_ball: Float  # (m, 3) what the sky gives to `directions_on_spiral(m)`, over all light on level ground
     table_rgb: Float  # (3,) reflectance
     before: Iterable[Image] = ()  # frames of the same cube by which it was followed, to be read once
+    together: bool = False  # those are given as further views
+    fps: float = FPS  # of all of them
 
 
 def painted_pictures(one: CubeSet, count: int, seed: int) -> Iterator[CubePicture]:
@@ -53,45 +57,57 @@ def painted_pictures(one: CubeSet, count: int, seed: int) -> Iterator[CubePictur
             sky_on_ball=painted_sky(scene),
             table_rgb=scene.table_rgb,
             before=map(painted, before(scene)) if one.followed else (),
+            together=one.together,
         )
 
 
-def traced_pictures(folders: Sequence[Path]) -> dict[str, list[tuple[Path, Mapping[str, Any]]]]:
-    """By category, folder and entry of every picture of a cube in the folders' ground truths, for `traced_picture`.
+class Entry(NamedTuple):
+    """What a folder's ground truth says of a picture, or of a take."""
 
-    Also those on which the generator's own look for the cube found none. Raises UserError where a folder has no truth
-    about cubes.
+    folder: Path
+    content: Mapping[str, Any]
+    together: bool = False  # a take's frames are given as further views of its last one
+
+
+def traced_pictures(folders: Sequence[Path]) -> dict[str, list[Entry]]:
+    """By category, every picture and every take of a cube in the folders' ground truths, for `traced_picture`.
+
+    Also pictures on which the generator's own look for the cube found none. Takes come twice: the last frame alone, and
+    with those before it. Raises UserError where a folder has no truth about cubes.
     """
-    found: dict[str, list[tuple[Path, Mapping[str, Any]]]] = {}
+    found: dict[str, list[Entry]] = {}
     for folder in folders:
-        with ground_truth(folder, "scenes", "`scenes`") as content:
-            entries = [*content.get("scenes", []), *content.get("marker_not_found", [])]
+        with ground_truth(folder, "scenes", "`scenes`, or `takes` with `frames`") as content:
+            entries = [each for name in ("scenes", "marker_not_found", "takes") for each in content.get(name, [])]
             cubes = [(each["category"], each) for each in entries if each["marker"].get("dictionary") == CUBE]
         if not cubes:
             raise UserError(f"{folder} has no pictures of a paper cube", "ashe-live bench light measures on others")
         for category, each in cubes:
-            found.setdefault(category, []).append((folder, each))
+            found.setdefault(category, []).append(Entry(folder, each))
+            if "video" in each:
+                found.setdefault(f"{category}, views", []).append(Entry(folder, each, together=True))
     return found
 
 
-def traced_picture(folder: Path, entry: Mapping[str, Any]) -> CubePicture:
+def traced_picture(entry: Entry) -> CubePicture:
     """A path-traced picture; raises UserError where it cannot be read, or its entry lacks something."""
+    folder = entry.folder
     try:
-        return _read(folder, entry)
+        return _read(entry)
     except (ValueError, KeyError, IndexError, TypeError) as error:
         raise UserError(f"{folder} has a picture without its truth ({error})", "make the set again") from error
 
 
-def _read(folder: Path, entry: Mapping[str, Any]) -> CubePicture:
-    image = decoded(folder / entry["image"], cv2.IMREAD_COLOR)
-    if image is None:
-        raise UserError(f"cannot read the picture {entry['image']}", "is it there, and a PNG or JPEG?")
+def _read(about: Entry) -> CubePicture:
+    entry = about.content
+    *before, image = _frames(about)
+    last = entry["frames"][-1] if "frames" in entry else entry
     size = int(entry["size"][0]), int(entry["size"][1])
     lights = entry["lights"]
     level = np.array(entry["ambient"]["irradiance_ground"]) + sum(np.array(one["irradiance_ground"]) for one in lights)
     sky = np.maximum(_quadratic(directions_on_spiral(NORMALS)) @ np.array(entry["ambient"]["on_ball"]), 0.0) / level
     camera = Camera(size, np.array(entry["K"]), np.zeros(5), "file", EXACT_PX)
-    T_cam_cube = rigid(entry["R"], entry["t"])
+    T_cam_cube = rigid(last["R"], last["t"])
     points, edge_m = np.array([_point(each) for each in lights]).reshape(-1, 4), entry["marker"]["side_m"]
     perfect = CubeScene(camera, T_cam_cube, [], edge_m=edge_m)  # without its folds, for what is seen of its shadows
     return CubePicture(
@@ -104,7 +120,25 @@ def _read(folder: Path, entry: Mapping[str, Any]) -> CubePicture:
         shows_shadows=all(is_seen(perfect, point) for point in points),
         sky_on_ball=sky,
         table_rgb=np.array(entry["ground"]["albedo"], dtype=np.float64),
+        before=before,
+        together=about.together,
+        fps=float(entry.get("fps", FPS)),
     )
+
+
+def _frames(about: Entry) -> list[Image]:
+    """All of a take, or the picture alone."""
+    folder, entry = about.folder, about.content
+    if "video" in entry:
+        with ClipSource(folder / entry["video"]) as clip:
+            frames = [frame.image_bgr for frame in clip]
+        if len(frames) != len(entry["frames"]):
+            raise ValueError(f"{entry['video']} has {len(frames)} frames")
+        return frames
+    image = decoded(folder / entry["image"], cv2.IMREAD_COLOR)
+    if image is None:
+        raise UserError(f"cannot read the picture {entry['image']}", "is it there, and a PNG or JPEG?")
+    return [image]
 
 
 def _point(light: Mapping[str, Any]) -> Float:

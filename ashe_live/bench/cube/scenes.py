@@ -30,6 +30,7 @@ class CubeSet:
     distance_m: tuple[float, float] | None = None  # of lamps; None: suns
     folded: bool = False
     followed: bool = False  # the camera has moved around the cube before
+    together: bool = False  # what it has seen then is given as further views
     key: int = 1  # of the set's own random stream
 
     def scenes(self, count: int, seed: int = 0) -> Iterator[CubeScene]:
@@ -68,10 +69,21 @@ SETS = (
     CubeSet("sun", key=1),
     CubeSet("sun, crooked", folded=True, key=5),
     CubeSet("sun, crooked, followed", folded=True, followed=True, key=5),
+    CubeSet("sun, crooked, views", folded=True, followed=True, together=True, key=5),
     CubeSet("soft sun", size_deg=(3.0, 10.0), key=4),
     CubeSet("two suns", lights=2, key=3),
+    CubeSet("two suns, views", lights=2, followed=True, together=True, key=3),
     CubeSet("lamp", size_deg=(2.0, 6.0), distance_m=LAMPS_M, key=6),
     CubeSet("lamp, crooked", size_deg=(2.0, 6.0), distance_m=LAMPS_M, folded=True, key=7),
+    CubeSet(
+        "lamp, crooked, views",
+        size_deg=(2.0, 6.0),
+        distance_m=LAMPS_M,
+        folded=True,
+        followed=True,
+        together=True,
+        key=7,
+    ),
     CubeSet("cloudy sky", lights=0, key=2),
 )
 

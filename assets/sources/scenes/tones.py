@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 
 from ashe_live.bench.cases import GROUND_TRUTH
-from ashe_live.bench.cube.pictures import traced_picture
+from ashe_live.bench.cube.pictures import Entry, traced_picture
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.types import Frame
 from ashe_live.light.known_body.sides.facets import facets_of
@@ -58,7 +58,7 @@ def ratios(folder: Path) -> Iterator[tuple[str, float, float]]:
     """Camera, and the logarithm of a side's light over the level facet's in the photo and without tones."""
     specs = {each["id"]: each for each in json.loads((folder / "specifications.json").read_text())["scenes"]}
     for entry in json.loads((folder / GROUND_TRUTH).read_text())["scenes"]:
-        photo, spec = traced_picture(folder, entry), specs[entry["tags"]["render"]]
+        photo, spec = traced_picture(Entry(folder, entry)), specs[entry["tags"]["render"]]
         tracker = MarkerTracker(cube_layout(), photo.camera, photo.edge_m, BALANCED.tracking)
         tracked = tracker.track(Frame(photo.image, 0, 0.0))
         if tracked.marker is None or tracked.marker.body is None:

@@ -39,7 +39,7 @@ def folder_of(path: Path, *entries: dict[str, object]) -> Path:
 
 def test_truth_is_in_units_of_all_light_on_level_ground(tmp_path: Path) -> None:
     (found,) = traced_pictures([folder_of(tmp_path, entry())])["lamp"]
-    picture = traced_picture(*found)
+    picture = traced_picture(found)
     assert picture.lights.tolist() == [[0.0, 0.3, 0.4, 1.0]]
     up = directions_on_spiral(NORMALS)[:, 2]
     level = np.add(SKY, (0.8, 0.6, 0.2))
@@ -58,7 +58,7 @@ def test_a_cube_hides_its_shadow_from_a_camera_beside_the_lamp(
     seen = {"object_px": 9000, "shadow_px": 9000}
     folder = folder_of(tmp_path, entry(lights=[lamp], visibility=seen, **from_above))
     (found,) = traced_pictures([folder])["lamp"]
-    assert traced_picture(*found).shows_shadows == is_seen
+    assert traced_picture(found).shows_shadows == is_seen
 
 
 def test_pictures_without_a_cube_are_another_bench_s(tmp_path: Path) -> None:
@@ -71,7 +71,7 @@ def test_pictures_without_a_cube_are_another_bench_s(tmp_path: Path) -> None:
 def test_a_picture_whose_truth_is_not_whole_is_named(tmp_path: Path, missing: str) -> None:
     folder = folder_of(tmp_path, {key: value for key, value in entry().items() if key != missing})
     with pytest.raises(UserError, match=missing):
-        traced_picture(*traced_pictures([folder])["lamp"][0])
+        traced_picture(traced_pictures([folder])["lamp"][0])
 
 
 def test_a_camera_comes_around_the_cube_to_where_it_takes_the_picture() -> None:
