@@ -54,6 +54,7 @@ class CubeScene:
     folds: Folds = field(default_factory=Folds)
     table_rgb: Float = field(default_factory=lambda: np.array([0.42, 0.36, 0.3]))  # (3,) reflectance
     mottled: float = 0.06  # relative deviation of the table's reflectance
+    grain_from: Float | None = None  # (4, 4) T_cam_cube of the view that the table's grain is drawn in; None: of this
     exposure: float = 0.9  # linear value of a white surface in the light of level ground
     noise: float = 2.0  # standard deviation, grey levels
     blur_px: float = 0.7

@@ -109,6 +109,11 @@ def _table(scene: CubeScene, fine: Camera) -> Float32:
     for step in (3, 13):
         coarse = rng.normal(0, 1, (max(2, height // step), max(2, width // step))).astype(np.float32)
         grain += cv2.resize(coarse, size, interpolation=cv2.INTER_CUBIC)
+    if scene.grain_from is not None:
+        there, here = (image_from_plane(scene.camera, pose) for pose in (scene.grain_from, scene.T_cam_cube))
+        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        moved = cv2.warpPerspective(grain, there @ np.linalg.inv(here), size, None, flags, cv2.BORDER_REFLECT_101)
+        grain = np.asarray(moved, dtype=np.float32)
     reflectance = (1 + scene.mottled * 0.7 * grain)[..., None] * scene.table_rgb.astype(np.float32)
     body = hull_of(scene)
     from_pixel = np.linalg.inv(image_from_plane(scene.camera, scene.T_cam_cube))

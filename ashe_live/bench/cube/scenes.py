@@ -94,7 +94,7 @@ def before(scene: CubeScene) -> Iterator[CubeScene]:
         angle = math.radians(AROUND_DEG * (number / BEFORE - 1))
         turned = np.eye(4)
         turned[:2, :2] = (math.cos(angle), -math.sin(angle)), (math.sin(angle), math.cos(angle))
-        yield replace(scene, T_cam_cube=scene.T_cam_cube @ turned)
+        yield replace(scene, T_cam_cube=scene.T_cam_cube @ turned, grain_from=scene.T_cam_cube)
 
 
 def looking(distance_m: float, tilt_deg: float, azimuth_deg: float) -> Float:

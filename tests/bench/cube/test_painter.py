@@ -13,7 +13,7 @@ from ashe_live.bench.cube.scenes import SETS, looking, sun
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
-from ashe_live.core.transforms import project
+from ashe_live.core.transforms import image_from_plane, project
 
 CAMERA = Camera.from_hfov((320, 240), 60)
 EDGE_M = 0.06
@@ -110,3 +110,22 @@ def test_sets_share_no_scene_whatever_the_seed() -> None:
     assert len(set(drawn)) == len(drawn)
     followed = [tuple(next(one.scenes(1)).T_cam_cube.ravel()) for one in SETS if one.followed]
     assert set(followed) < set(drawn)
+
+
+def test_the_grain_of_a_table_stays_on_it_while_the_camera_moves() -> None:
+    """Seen from aside, and drawn back onto the plane, it is what it was; grain drawn anew for each picture is not."""
+    here, aside = looking(0.45, 35, 20), looking(0.45, 35, 45)
+    scene = CubeScene(CAMERA, here, [sun(200, 50)], noise=0.0, mottled=0.1, seed=4)
+    moved = dataclasses.replace(scene, T_cam_cube=aside)
+    first, on_table, anew = (
+        painted(each)[..., 1].astype(float) for each in (scene, dataclasses.replace(moved, grain_from=here), moved)
+    )
+    to_first = image_from_plane(CAMERA, here) @ np.linalg.inv(image_from_plane(CAMERA, aside))
+    window = np.s_[150:190, 30:90]  # table that both show, away from the cube and its shadow
+
+    def likeness(other: Float) -> float:
+        back = cv2.warpPerspective(other, to_first, CAMERA.size)
+        return float(np.corrcoef(back[window].ravel(), first[window].ravel())[0, 1])
+
+    assert likeness(on_table) > 0.9
+    assert abs(likeness(anew)) < 0.3

@@ -12,6 +12,7 @@ import pytest
 from ashe_live.bench.cube.ambient import NORMALS
 from ashe_live.bench.cube.pictures import painted_pictures, traced_picture, traced_pictures
 from ashe_live.bench.cube.scenes import AROUND_DEG, SETS, before
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import directions_on_spiral
 from ashe_live.core.transforms import camera_centre
 from ashe_live.errors import UserError
@@ -94,3 +95,34 @@ def test_a_followed_cube_is_shown_by_its_frames_before_it() -> None:
     assert first.shape == one.image.shape
     assert not np.array_equal(first, one.image)
     assert not list(alone.before)
+
+
+def take_of(path: Path, frames: int = 3) -> Path:
+    """A folder with a take of a cube, whose clip has so many frames."""
+    poses = [{"frame": number, "R": np.eye(3).tolist(), "t": [0.1 * number, 0.0, 0.4]} for number in range(3)]
+    with Recorder(path / "take.mp4", (64, 48), 6) as recorder:
+        for number in range(frames):
+            recorder.write(np.full((48, 64, 3), 80 * number, np.uint8), number / 6)
+    take = entry(video="take.mp4", frames=poses, fps=6, size=[64, 48])
+    del take["image"]
+    (path / "ground_truth.json").write_text(json.dumps({"takes": [take]}))
+    return path
+
+
+def test_a_take_comes_alone_and_with_its_frames_as_further_views(tmp_path: Path) -> None:
+    found = traced_pictures([take_of(tmp_path)])
+    assert set(found) == {"lamp", "lamp, views"}
+    ((alone,), (together,)) = found["lamp"], found["lamp, views"]
+    for about, is_together in ((alone, False), (together, True)):
+        picture = traced_picture(about)
+        assert picture.together == is_together
+        assert picture.T_cam_cube[0, 3] == pytest.approx(0.2)  # that of the last frame
+        levels = [float(image.mean()) for image in (*picture.before, picture.image)]
+        assert levels == pytest.approx([0, 80, 160], abs=4)
+        assert picture.fps == 6
+
+
+def test_a_take_whose_clip_is_cut_off_is_named(tmp_path: Path) -> None:
+    folder = take_of(tmp_path, frames=2)
+    with pytest.raises(UserError, match=r"take\.mp4 has 2 frames"):
+        traced_picture(traced_pictures([folder])["lamp"][0])
