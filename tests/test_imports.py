@@ -72,7 +72,7 @@ ROOMS: dict[str, set[str]] = {
     },
     "bench.lamps": {"core", "errors", "light.estimators", "light.ground", "light.lamps", "light.pixels", "bench"},
     "bench.track": {"quality", "core", "errors", "capture", "tracking", "process", "bench"},
-    "bench.cube": {"quality", "core", "errors", "tracking", "light.estimators", "bench.track", "bench"},
+    "bench.cube": {"quality", "core", "errors", "capture", "tracking", "light.estimators", "bench.track", "bench"},
     "bench.render": {
         "quality", "core", "errors", "files", "models", "capture", "tracking", "light.explanation", "render", "viewer",
         "bench",
