@@ -51,7 +51,7 @@ def light_row(name: str, pictures: Iterable[CubePicture], quality: Quality) -> J
 
 
 def _followed(picture: CubePicture, quality: Quality) -> list[TrackedFrame]:
-    """The frames before the picture, and last itself, as one tracker sees them."""
+    """The frames before the picture, and last the picture itself, as one tracker sees them."""
     tracker = MarkerTracker(cube_layout(), picture.camera, picture.edge_m, quality.tracking)
     images = chain(picture.before, [picture.image])
     return [tracker.track(Frame(image, index, index / picture.fps)) for index, image in enumerate(images)]
