@@ -114,7 +114,7 @@ class Seen:
 
     @cached_by_array
     def showing(self, light: Float) -> Photo:
-        """The picture in which most of the outline of a light's (4,) shadow would be seen; of equals, the first."""
+        """The first picture that shows a light's (4,) shadow: at least half as much of its outline as any."""
         shown = self.edge_images.showing(light)
         return next(each for each in self.photos if each.edge_image is shown)
 

@@ -206,7 +206,7 @@ def test_a_picture_with_other_edges_says_nothing_of_these() -> None:
     assert both[0] == pytest.approx(own[0], abs=1e-9)
 
 
-def test_a_light_is_looked_for_where_most_of_its_shadow_is_seen_and_of_equals_in_the_first() -> None:
+def test_a_light_is_looked_for_in_the_first_picture_that_shows_its_shadow() -> None:
     seen = prepared(from_sides([BEHIND_CAMERA, ASIDE], (0, 60, 61)))
     hidden, shown = (each.point / each.point[2] for each in (BEHIND_CAMERA, ASIDE))
     first, second, _ = seen.photos

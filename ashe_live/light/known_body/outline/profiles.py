@@ -19,7 +19,7 @@ LEAST_PX = 3.5  # that an edge is looked for on either side
 LEAST_STEP = 0.35  # of an edge, over the light that the shadow takes, from which on it is one
 OUTLIER_SHARE, OUTLIER_PX = 0.12, 0.5  # scale of Cauchy's loss: of the reach, and at least
 FARTHEST_PX = 1e4  # of an edge from the picture: beyond, it is looked for as if it were there
-AS_MUCH = 0.5  # of what the best picture shows of a shadow's outline: what shows so much of it shows it as well
+AS_MUCH = 0.5  # of what any picture shows of a shadow's outline, from which on another shows it too
 ALONG: Float32 = np.linspace(-1, 1, SAMPLES, dtype=np.float32)
 # (3, samples) weights of the dark level, the lit one, and the sum by the trapezoidal rule.
 LEVELS: Float32 = np.zeros((3, SAMPLES), np.float32)
@@ -170,11 +170,11 @@ class EdgeImages:
     several: tuple[EdgeImage, ...]
 
     def showing(self, light: Float) -> EdgeImage:
-        """The picture in which most of the outline of a light's (4,) shadow would be seen; of equals, the first."""
+        """The first picture that shows a light's (4,) shadow: at least half as much of its outline as any."""
         return self.all_showing(light)[0]
 
     def all_showing(self, light: Float) -> list[EdgeImage]:
-        """The pictures in which as much of the outline of a light's (4,) shadow would be seen as in any, nearly."""
+        """All pictures that show a light's (4,) shadow, as `showing` has it."""
         if len(self.several) == 1:
             return list(self.several)
         shown = [each.shown(light) for each in self.several]

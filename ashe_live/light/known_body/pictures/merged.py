@@ -20,14 +20,11 @@ def merged_table(shots: Sequence[Shot]) -> TableMap:
     """
     if len(shots) == 1:
         return shots[0].table
-    seen = np.array([each.table.seen for each in shots])
-    light = np.array([np.where(each.table.seen[..., None], each.gain * each.table.light_rgb, np.inf) for each in shots])
-    light.sort(axis=0)
-    count = seen.sum(axis=0)
-    lower, upper = ((np.maximum(count, 1) - 1) // 2)[None, ..., None], (np.maximum(count, 1) // 2)[None, ..., None]
-    middle = [np.take_along_axis(light, each, axis=0)[0] for each in (lower, upper)]
-    is_seen = count > 0
-    return TableMap(np.where(is_seen[..., None], np.mean(middle, axis=0), 0.0).astype(np.float32), is_seen)
+    is_seen = np.any([each.table.seen for each in shots], axis=0)
+    light = np.zeros(shots[0].table.light_rgb.shape, np.float32)
+    each_light = [np.where(each.table.seen[..., None], each.gain * each.table.light_rgb, np.nan) for each in shots]
+    light[is_seen] = np.nanmedian(np.array(each_light)[:, is_seen], axis=0)
+    return TableMap(light, is_seen)
 
 
 def merged_facets(shots: Sequence[Shot], body: Proxy) -> Facets:
