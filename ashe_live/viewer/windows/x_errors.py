@@ -15,6 +15,7 @@ from typing import Any
 
 from ashe_live.errors import ExitStatus
 from ashe_live.process.messages import print_message
+from ashe_live.process.signals import called_from_c
 
 DISPLAY_LOST = "the display is gone (its server has ended, or the connection to it is lost): start again"
 BAD_WINDOW = 3  # X.h: BadWindow
@@ -66,6 +67,7 @@ def handle_x_errors() -> None:
     xlib.XSetErrorHandler.argtypes = xlib.XSetIOErrorHandler.argtypes = (ctypes.c_void_p,)
     others = xlib.XSetErrorHandler(None)  # which sets its own
 
+    @called_from_c
     def handle(display: int, event: Any) -> int:
         return 0 if event.contents.error_code == BAD_WINDOW else int(before(display, event))
 
@@ -75,6 +77,7 @@ def handle_x_errors() -> None:
     before = _Handler(others or own)
 
 
+@called_from_c  # where a session ends, its display goes and its programs are asked to end, at the same moment
 def _end(_display: int) -> int:
     """Ends the process, as Xlib would once this has returned; no call of X may be made any more."""
     try:

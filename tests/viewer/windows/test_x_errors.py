@@ -59,3 +59,18 @@ def test_where_there_is_no_xlib_nothing_is_handled() -> None:
     )
     ran = subprocess.run([sys.executable, "-c", code], cwd=CHECKOUT, capture_output=True, text=True, timeout=PATIENCE_S)
     assert (ran.stdout, ran.stderr) == ("['libX11.so.6'] None\n", "")
+
+
+def test_a_request_to_end_that_comes_while_the_display_goes_interrupts_nothing() -> None:
+    """A session that ends asks its programs to end, too."""
+    code = BEFORE + (
+        "    import os, signal\n"
+        "    from ashe_live.process.signals import ended_by_signals\n"
+        "    within(lambda: os.kill(os.getpid(), signal.SIGTERM))\n"
+        "    with ended_by_signals():\n"
+        "        x_errors._end(0)"
+    )
+    ran = subprocess.run([sys.executable, "-c", code], cwd=CHECKOUT, capture_output=True, text=True, timeout=PATIENCE_S)
+    assert ran.returncode == ExitStatus.WRONG_USE
+    assert ran.stderr == f"ashe-live: {DISPLAY_LOST}\n"
+    assert ran.stdout == "last\nfirst\n"
