@@ -1,7 +1,7 @@
 """The light from a body that is known beforehand, as the paper cube: only lights are fitted."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -36,15 +36,24 @@ SHADED = 0.6
 DARKEST = 1e-3  # least share of the table's light that is left in a shadow
 
 
-def estimate_by_body(
-    tracked: TrackedFrame, others: Sequence[TrackedFrame], body: Proxy, width_px: int, name: str
-) -> tuple[LightEstimate, View]:
-    """The lights that cast the shadows of `body` (marker frame), and the view of the frame, which must have a marker.
+@dataclass(frozen=True, slots=True, eq=False)
+class BodyEstimate:
+    """What frames of a known body say of its lights."""
 
-    others: further frames of the scene, in which the body hides other parts of its shadows; one with too little of the
-    table is left out. width_px: of the frames at the resolution that is used. name: of the estimator.
+    estimate: LightEstimate
+    view: View  # of the first frame
+    used: list[TrackedFrame]  # of the others, those that the estimate rests on as well
+
+
+def estimate_by_body(
+    tracked: TrackedFrame, others: Sequence[TrackedFrame], body: Proxy, width_px: int, name: str, clock: StageClock
+) -> BodyEstimate:
+    """The lights that cast the shadows of `body` (marker frame, as it is known in `tracked`, which must have a marker).
+
+    others: further frames of the scene with a marker on that body, which hides other parts of its shadows there; one
+    with too little of the table that `tracked` shows is left out. width_px: of the frames at the resolution that is
+    used. name: of the estimator.
     """
-    clock = StageClock()
     view = View.of(tracked, width_px)
     beside = [(View.of(each, width_px), each.pose.pose_shape_errors) for each in others]
     seen = Seen.of(view, body, tracked.pose.pose_shape_errors, beside)
@@ -53,9 +62,9 @@ def estimate_by_body(
     index, *more = (each.frame.index for each in (tracked, *used))
     answered = partial(LightEstimate, name, index, views=(index, *more))
 
-    def none(reason: str) -> tuple[LightEstimate, View]:
+    def none(reason: str) -> BodyEstimate:
         reason = fault_of_exposure(view) or reason
-        return answered(Illumination(), reason, timing_ms=clock.timing_ms()), view
+        return BodyEstimate(answered(Illumination(), reason, timing_ms=clock.timing_ms()), view, used)
 
     if seen is None:
         return none(TOO_LITTLE_GROUND)
@@ -72,7 +81,7 @@ def estimate_by_body(
     body_mask, shadow_mask = masks_of(seen, likely)
     clock.end("judge")
     estimate = answered(illumination, object_mask=body_mask, shadow_mask=shadow_mask, timing_ms=clock.timing_ms())
-    return estimate, view
+    return BodyEstimate(estimate, view, used)
 
 
 def _likely(found: Sequence[FoundLight]) -> list[FoundLight]:

@@ -10,6 +10,7 @@ the equations.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -41,7 +42,6 @@ from ashe_live.light.explanation.no_answer import (
 )
 from ashe_live.light.lamps.fall.low_lamps import is_under_low_lamp
 from ashe_live.light.lamps.kinds import SUN
-from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreeing_views import without_confirming
 from ashe_live.light.views.ground_height import COMPARED, height_above_ground, seen_from_ground, seen_from_marker
 from ashe_live.light.views.selection import span_rad, usable
@@ -86,21 +86,25 @@ class ProxyEstimator:
         self, tracked: TrackedFrame, others: Sequence[TrackedFrame], body: Proxy
     ) -> tuple[LightEstimate, Trace]:
         """As `traced`, where the marker is printed on a body; frames that show another scene are left out."""
-
-        def estimated(beside: Sequence[TrackedFrame]) -> tuple[LightEstimate, View]:
-            return estimate_by_body(tracked, beside, body, self._preset.fine_width_px, self.name)
-
-        left = list(others)
+        width_px = self._preset.fine_width_px
+        clock, alone = StageClock(), None
+        left = [each for each in others if each.marker is not None and each.marker.body is not None]
+        by_body = partial(estimate_by_body, tracked, body=body, width_px=width_px, name=self.name, clock=clock)
         while True:
-            beside = usable(tracked, left, VIEWS_OF_BODY - 1)
-            estimate, view = estimated(beside)
-            used = [each for each in beside if each.frame.index in estimate.views]
-            # Views that contradict each other may leave no answer; then the first view's answer shows which ones do.
-            explained = estimate if estimate.light is not None or not used else estimated(())[0]
-            odd = contradicting(explained, tracked, used, self._preset)
-            if not odd:
-                span = _span_rad([each.pose.T_cam_marker for each in (tracked, *used)])
-                return replace(estimate, span_rad=span), Trace(view)
+            found = by_body(usable(tracked, left, min(VIEWS_OF_BODY, self._preset.views) - 1))
+            explained = found.estimate
+            if found.used and explained.light is None:
+                # Views that contradict each other leave no answer; then the first view's answer shows which ones do.
+                alone = alone or by_body(()).estimate
+                explained = alone
+            odd = contradicting(explained, tracked, found.used, self._preset)
+            clock.end("judge")
+            # If all the other views contradict the first one's answer, that answer is wrong rather than they.
+            is_wrong = explained is alone and len(found.used) > 1 and not without(found.used, odd)
+            if is_wrong or not odd:
+                span = _span_rad([each.pose.T_cam_marker for each in (tracked, *found.used)])
+                estimate = replace(found.estimate, span_rad=span, timing_ms=clock.timing_ms())
+                return estimate, Trace(found.view)
             left = without(left, odd)
 
     def _of_agreeing(self, tracked: TrackedFrame, others: Sequence[TrackedFrame]) -> tuple[LightEstimate, Trace]:

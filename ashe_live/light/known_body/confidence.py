@@ -58,9 +58,9 @@ def with_confidence(
     others = [other for other in among if other is not one]
     darkening = float(dark_rgb.mean())
     images = images_beside(seen, others)
-    image = images.showing(one.casting)
     if others and one.fit is not None:
-        one = replace(one, fit=confirmed(one.fit.seen_again_in(image, darkening), images, darkening))
+        seen_again = one.fit.seen_again_in(images.of(one.fit.view), darkening)
+        one = replace(one, fit=confirmed(seen_again, images, darkening))
     beside = seen.beside(points_of(others)) if others else alone
     posterior = _posterior(seen, one, others, beside, ruled_out)
     depths = AMONG_OTHERS if others else OF_ONLY_LIGHT
@@ -70,7 +70,7 @@ def with_confidence(
         near, around = (with_edges(each, None, depth, depths) for each in (posterior.near, posterior.around))
         return _rated(one, near, around, posterior.none)
     is_sure = posterior.near >= SURE_BY_TABLE
-    most = math.inf if is_sure else most_log_odds(one.fit, image, darkening)
+    most = math.inf if is_sure else most_log_odds(one.fit, images.of(one.fit.view), darkening)
     exists = with_edges(posterior.near, one.fit, depth, depths, most)
     near, around = (exists * _shares(one)).tolist()
     return _rated(replace(one, exists=exists), near, around, 1 - exists)

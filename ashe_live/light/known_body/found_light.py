@@ -101,7 +101,7 @@ def _image_beside(photo: Photo, others: Sequence[FoundLight]) -> EdgeImage:
             penumbra_px = other.size_rad * upper_quantile(edges.by_size, 0.9)
             broad_px = OTHER_EDGE_PX + OTHER_PENUMBRA * penumbra_px
             room = room.beside_shadow(edges.corners_px, broad_px, other.darkening)
-    return replace(photo.edge_image, room=room)
+    return photo.edge_image if room is photo.room else replace(photo.edge_image, room=room)
 
 
 def darkenings_rgb(seen: Seen, found: Sequence[FoundLight], least_size_rad: float = 0.0) -> Float:

@@ -15,6 +15,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.found_light import FoundLight, images_beside, points_of
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.outline.by_edges import ByEdges, by_edges
+from ashe_live.light.known_body.outline.confirmed import confirmed
 from ashe_live.light.known_body.outline.fit import NEAREST, ShadowFit, fitted, nearness_sigma
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import EdgeImage
@@ -69,7 +70,7 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
     if one.fit is None:
         return one
     images = images_beside(seen, others)
-    fit = _likeliest_fit(images.showing(one.casting), one, size_rad)
+    fit = confirmed(_likeliest_fit(images.of(one.fit.view), one, size_rad), images, one.darkening)
     edges = by_edges(images, fit, one.darkening)
     if edges is None:
         return one

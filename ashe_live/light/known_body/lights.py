@@ -202,9 +202,9 @@ def _refitted(seen: Seen, found: Sequence[FoundLight]) -> list[FoundLight]:
     dark = darkenings_rgb(seen, found).mean(axis=1)
     fitted_again = []
     for number, (one, darkening) in enumerate(zip(found, dark, strict=True)):
-        image = images_beside(seen, [*found[:number], *found[number + 1 :]]).showing(one.casting)
         fit = None
         if one.fit is not None and one.fit.light[3] == 0:  # lamps are fitted as such afterwards
+            image = images_beside(seen, [*found[:number], *found[number + 1 :]]).of(one.fit.view)
             fit = fitted(image, one.casting, float(darkening), size_rad=one.size_rad)
         if fit is None or normalised(fit.light[:3]) @ normalised(one.casting[:3]) < math.cos(APART_RAD):
             fitted_again.append(replace(one, darkening=float(darkening)))

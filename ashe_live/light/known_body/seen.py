@@ -82,7 +82,8 @@ class Seen:
     ) -> "Seen | None":
         """By a view and others of the same scene; None where next to nothing of the table is in the first.
 
-        errors: how body and frame may be off in a view. Another view with too little of the table is left out.
+        errors: how body and frame may be off in a view. Another view with too little of the table that the first shows
+        is left out.
         """
         shots = shots_of([(view, errors), *others], body)
         if not shots:

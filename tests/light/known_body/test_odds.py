@@ -5,10 +5,11 @@ import pytest
 
 from ashe_live.light.known_body.outline.fit import ShadowFit
 from ashe_live.light.known_body.outline.odds import with_edges
+from tests.light.known_body.test_shadow_edges import view
 
 
 def fit(clear: float) -> ShadowFit:
-    return ShadowFit(np.array((0.0, 0.0, 1.0, 0.0)), np.eye(2), None, 0.3, 0.05, clear, 1.0)
+    return ShadowFit(np.array((0.0, 0.0, 1.0, 0.0)), np.eye(2), None, 0.3, 0.05, clear, 1.0, view())
 
 
 @pytest.mark.parametrize("confidence", [0.0, 1e-12, 0.5, 0.99, 1 - 1e-9, 1.0])

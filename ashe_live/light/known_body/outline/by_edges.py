@@ -86,7 +86,7 @@ def by_edges(images: EdgeImages, fit: ShadowFit, darkening: float) -> ByEdges | 
 
     None where these are not known and the nearness was held in the fit: nothing then says how the edges move with it.
     """
-    image = images.showing(fit.light)
+    image = images.of(fit.view)
     reach = Reach.seen(fit, image, darkening)
     adjusted = beside_folds(fit, images, darkening, with_nearness=True)
     if adjusted is not None:

@@ -9,12 +9,12 @@ from ashe_live.light.known_body.outline.profiles import EdgeImages
 
 
 def confirmed(fit: ShadowFit, images: EdgeImages, darkening: float) -> ShadowFit:
-    """The fit, its edges as clear and as far off as in the mean of all pictures that show as much of the shadow.
+    """The fit, its edges as clear and as far off as in the mean of its own picture and all others that show the shadow.
 
     In each of the others the light is moved onto the edges that are seen there, as each picture's frame is off by
     itself. darkening: as of `fitted`.
     """
-    others = images.all_showing(fit.light)[1:]
+    others = images.others_showing(fit.light, fit.view)
     if not others:
         return fit
     with_nearness = len(fit.covariance) > 2

@@ -8,6 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask, once_for_each
 from ashe_live.light.known_body.outline.edges import ShadowEdges
 from ashe_live.light.known_body.outline.profiles import LEAST_PX, POINTS_A_SAMPLE, EdgeImage, Profiles
+from ashe_live.light.pixels.view import View
 
 # How far from the predicted edge the search reaches: of the body's height in the picture at first, then as much as the
 # penumbra needs, in standard deviations, and never less than LEAST_PX.
@@ -38,6 +39,7 @@ class ShadowFit:
     misfit_share: float  # the same over how far they were looked for
     clear: float  # of the outline's points that could be seen, the part with a step as deep as the shadow
     seen: float  # part of the outline's points that could be seen
+    view: View  # of the picture in which it was made
 
     @once_for_each
     def profiles_in(self, image: EdgeImage) -> Profiles | None:
@@ -88,7 +90,7 @@ def fitted(
         here = moved(here, last.step, image.height_m)
         if not is_first and np.abs(last.moves_px).max() < DONE_PX:
             break
-    return last.fit(here, size or None, darkening)
+    return last.fit(here, size or None, darkening, image.view)
 
 
 def windows_px(edges: ShadowEdges, blur_px2: float, size_rad: float, height_px: float) -> Float:
@@ -169,7 +171,7 @@ class _Round:
         """(n,) by how much the step moves each edge."""
         return self.J @ self.step
 
-    def fit(self, light: Float, size_rad: float | None, darkening: float) -> ShadowFit:
+    def fit(self, light: Float, size_rad: float | None, darkening: float, view: View) -> ShadowFit:
         """What is said of the light (4,) that this step has led to."""
         profiles, weight, edges, J = self.profiles, self.weight, self.profiles.edges, self.J
         left_px = profiles.offset_px - self.moves_px
@@ -191,4 +193,5 @@ class _Round:
             misfit_share=math.sqrt(float((weight * (left_px / profiles.reach_px) ** 2).sum() / weight.sum())),
             clear=profiles.clear(darkening) if profiles.visible.any() else 0.0,
             seen=float(profiles.visible.mean()),
+            view=view,
         )

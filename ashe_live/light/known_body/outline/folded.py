@@ -27,19 +27,19 @@ def beside_folds(
     fit: ShadowFit, images: EdgeImages, darkening: float, with_nearness: bool
 ) -> tuple[Float, Float] | None:
     """The light (4,), z = 1, as it is if the body is off as the edges of a fit say, and its (p, p) covariance: of
-    s = (x, y) / z and, `with_nearness`, of w / z. None where the shadow has no edges in the pictures, and where it is
-    not known how the body may be off.
+    s = (x, y) / z and, `with_nearness`, of w / z. None where the shadow has no edges in the picture of the fit, and
+    where it is not known how the body may be off there.
 
-    By the picture that it was fitted in, and those others that show as much of the shadow and agree: their mean. As
-    the same folds are behind all of them, it is as uncertain as they are on average (covariance intersection, Julier
-    and Uhlmann, 1997).
+    By that picture, and those others that show the shadow and agree: their mean. As the same folds are behind all of
+    them, it is as uncertain as they are on average (covariance intersection, Julier and Uhlmann, 1997).
 
     darkening: the part of the table's light that it gives, roughly.
     """
-    several = images.all_showing(fit.light)
-    own, *others = (_beside_folds_in(image, fit, darkening, with_nearness) for image in several)
+    own = _beside_folds_in(images.of(fit.view), fit, darkening, with_nearness)
     if own is None:
         return None
+    showing = images.others_showing(fit.light, fit.view)
+    others = [_beside_folds_in(image, fit, darkening, with_nearness) for image in showing]
     parameters = [0, 1, 3] if with_nearness else [0, 1]
     agreeing = [each for each in others if each is not None and _agree(each, own, parameters)]
     if not agreeing:

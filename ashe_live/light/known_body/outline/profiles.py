@@ -169,16 +169,28 @@ class EdgeImages:
 
     several: tuple[EdgeImage, ...]
 
+    def of(self, view: View) -> EdgeImage:
+        """The picture of a view."""
+        return next(each for each in self.several if each.view is view)
+
     def showing(self, light: Float) -> EdgeImage:
         """The first picture that shows a light's (4,) shadow: at least half as much of its outline as any."""
-        return self.all_showing(light)[0]
-
-    def all_showing(self, light: Float) -> list[EdgeImage]:
-        """All pictures that show a light's (4,) shadow, as `showing` has it."""
         if len(self.several) == 1:
-            return list(self.several)
+            return self.several[0]
+        return next(each for each, shows in zip(self.several, self._show(light), strict=True) if shows)
+
+    def others_showing(self, light: Float, view: View) -> list[EdgeImage]:
+        """All pictures that show a light's (4,) shadow, as `showing` has it, but that of a view."""
+        if len(self.several) == 1:
+            return []
+        shows = zip(self.several, self._show(light), strict=True)
+        return [each for each, does in shows if does and each.view is not view]
+
+    def _show(self, light: Float) -> list[bool]:
+        """Which pictures show a light's (4,) shadow; the first alone where none does."""
         shown = [each.shown(light) for each in self.several]
-        return [each for each, part in zip(self.several, shown, strict=True) if part >= AS_MUCH * max(shown)]
+        most = max(shown)
+        return [part >= AS_MUCH * most if most > 0 else number == 0 for number, part in enumerate(shown)]
 
     def shown(self, light: Float) -> float:
         """Of the outline of a light's (4,) shadow, the part that would be seen in some picture."""

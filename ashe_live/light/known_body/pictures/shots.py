@@ -10,7 +10,7 @@ from ashe_live.core.proxy import PoseShapeErrors, Proxy
 from ashe_live.light.known_body.table import LEAST_CELLS, TableMap, linear_picture, table_around
 from ashe_live.light.pixels.view import View
 
-DARKEST = 1e-4  # linear light: what is darker is black in the picture
+BLACK = 1e-4  # linear light: what is darker is black in the picture
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,7 +27,8 @@ class Shot:
 def shots_of(several: Sequence[tuple[View, PoseShapeErrors | None]], body: Proxy) -> list[Shot]:
     """The first of several views of one scene, with the errors of each, and those others that show the same table.
 
-    None where next to nothing of the table is in the first; another in which that is so is left out.
+    Empty where next to nothing of the table is in the first; another is left out where that is so, or where both have
+    too little of it in common.
     """
     shots: list[Shot] = []
     for view, errors in several:
@@ -51,5 +52,5 @@ def _gain(first: TableMap | None, table: TableMap | None) -> Float | None:
     both = first.seen & table.seen
     if np.count_nonzero(both) < LEAST_CELLS:
         return None
-    ratios = np.maximum(first.light_rgb[both], DARKEST) / np.maximum(table.light_rgb[both], DARKEST)
+    ratios = np.maximum(first.light_rgb[both], BLACK) / np.maximum(table.light_rgb[both], BLACK)
     return np.array([upper_median(channel) for channel in ratios.T], dtype=np.float64)
