@@ -89,11 +89,11 @@ def traced_pictures(folders: Sequence[Path]) -> dict[str, list[Entry]]:
     return found
 
 
-def traced_picture(entry: Entry) -> CubePicture:
+def traced_picture(about: Entry) -> CubePicture:
     """A path-traced picture; raises UserError where it cannot be read, or its entry lacks something."""
-    folder = entry.folder
+    folder = about.folder
     try:
-        return _read(entry)
+        return _read(about)
     except (ValueError, KeyError, IndexError, TypeError) as error:
         raise UserError(f"{folder} has a picture without its truth ({error})", "make the set again") from error
 

@@ -78,7 +78,7 @@ class Candidates:
     """The directions of the scan in which another light may be, beside those that are known."""
 
     seen: Seen
-    beside: MarginalLikelihood  # of the picture, beside the known lights
+    beside: MarginalLikelihood  # of what is seen, beside the known lights
     images: EdgeImages  # likewise
     score: Float  # (m,) log likelihood of each direction; -inf where none is looked for
     steps: Float  # (m,) log odds of each by its shadow's steps of light in the map: with the score, the order of trial

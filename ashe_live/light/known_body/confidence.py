@@ -52,7 +52,7 @@ def with_confidence(
 
     By the posterior of the directions near it given map and sides, and by what its shadow's edges say.
 
-    dark_rgb: (3,) part of the table's light that it gives. alone: the picture before any light was known. ruled_out:
+    dark_rgb: (3,) part of the table's light that it gives. alone: what is seen before any light was known. ruled_out:
     lights (4,) that there are not.
     """
     others = [other for other in among if other is not one]

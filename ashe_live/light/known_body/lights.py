@@ -37,16 +37,16 @@ LEAST_EXISTS = 0.5  # probability that the body hides another light's shadow, fr
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Found:
-    """What a picture of a known body says of its lights."""
+    """What pictures of a known body say of its lights."""
 
-    seen: Seen  # the picture as these lights explain it
+    seen: Seen  # the pictures as these lights explain them
     lights: tuple[FoundLight, ...]  # the strongest of those whose direction is known first
     dark_rgb: Float  # (l, 3) part of the table's light that each gives, R, G, B
     is_dark_elsewhere: bool  # the table is darkened as if by a shadow, of whatever
 
 
 def lights_of(seen: Seen) -> Found:
-    """The lights of a picture, found one after the other; none where nothing says that there is one."""
+    """The lights of one picture or several, found one after the other; none where nothing says that there is one."""
     alone = seen.beside(NO_LIGHTS)
     steps = seen.rims(NO_LIGHTS).cautious
     first = Candidates(seen, alone, images_beside(seen, ()), alone.everywhere.log_likelihood, steps)

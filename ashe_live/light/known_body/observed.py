@@ -1,4 +1,4 @@
-"""A picture of a known body as a map of the light on its table and the light of its sides; how lights change both.
+"""Pictures of a known body as a map of the light on its table and the light of its sides; how lights change both.
 
 Both are linear in the part of the open table's light that each light gives, its darkening, once the lights' directions
 are given; the sky gives the rest. Slow gradients of the table's light, and how much of the sky the body really hides,
@@ -60,7 +60,7 @@ class Effects:
 
 
 class Observed:
-    """The map and the sides of one picture, or of one of its colour channels, whatever lights are known."""
+    """The map and the sides by one picture or several, or by one colour channel of them, whatever lights are known."""
 
     def __init__(
         self,

@@ -49,7 +49,7 @@ class Measured:
     table: TableMap
     relative: Float32  # (n, n, 3) the table's light over the lit table's
     facets: Facets
-    from_table: Float  # (k, 3) what the table sends to each facet, in the picture's linear light
+    from_table: Float  # (k, 3) what the table sends to each facet, in the first picture's linear light
 
     def observed(self, channels: Float, templates: Templates, everywhere: Lit, is_used: Mask | bool = True) -> Observed:
         """By a sum of the channels with weights (3,), to look for further lights `everywhere`.
@@ -165,7 +165,7 @@ class Seen:
 
     @cached_by_array
     def beside(self, known: Float) -> MarginalLikelihood:
-        """What the picture says of further lights, beside `known` ones (l, 4)."""
+        """What the pictures say of further lights, beside `known` ones (l, 4)."""
         lit, observed = self.lit(known), self.observed
         if len(known):
             everywhere = Lit(self.templates.lights, self.templates.shadows)
