@@ -46,7 +46,8 @@ from ashe_live.light.views.agreeing_views import without_confirming
 from ashe_live.light.views.ground_height import COMPARED, height_above_ground, seen_from_ground, seen_from_marker
 from ashe_live.light.views.selection import span_rad, usable
 
-# Views of a known body that are used together at most, the farthest apart: what one of them hides another shows.
+# Views of a known body that are used together at most, the farthest apart: what one of them hides another shows. Each
+# costs half as much as the first; more than four were not measured.
 VIEWS_OF_BODY = 4
 
 
@@ -99,9 +100,9 @@ class ProxyEstimator:
                 explained = alone
             odd = contradicting(explained, tracked, found.used, self._preset)
             clock.end("judge")
-            # If all the other views contradict the first one's answer, that answer is wrong rather than they.
-            is_wrong = explained is alone and len(found.used) > 1 and not without(found.used, odd)
-            if is_wrong or not odd:
+            if explained is alone:
+                odd = _unless_all(odd, found.used)
+            if not odd:
                 span = _span_rad([each.pose.T_cam_marker for each in (tracked, *found.used)])
                 estimate = replace(found.estimate, span_rad=span, timing_ms=clock.timing_ms())
                 return estimate, Trace(found.view)
@@ -134,9 +135,7 @@ class ProxyEstimator:
         odd = contradicting(explained, tracked, others, self._preset)
         if explained is estimate:
             return without_confirming(odd, _likeliest(look.trace), self._judge)
-        # If all the other views contradict the first one's answer, that answer is wrong rather than they.
-        used = [other for other in others if other.frame.index in estimate.views]
-        return [] if len(used) > 1 and not without(used, odd) else odd
+        return _unless_all(odd, [other for other in others if other.frame.index in estimate.views])
 
     def _looked(
         self,
@@ -221,6 +220,14 @@ def _shows_sky_alone(choice: Choice) -> bool:
     each_view = (depths_beyond_sky(view.fine, best.proxy, lights) for view in choice.look.views)
     depths = next((depths for depths in each_view if any(depth is not None for depth in depths)), None)
     return depths is not None and is_of_sky_alone(depths, seeming)
+
+
+def _unless_all(odd: list[TrackedFrame], used: Sequence[TrackedFrame]) -> list[TrackedFrame]:
+    """Those of the other views used that contradict the answer by the first one alone.
+
+    None if all of several do: that answer is wrong rather than they.
+    """
+    return [] if len(used) > 1 and not without(used, odd) else odd
 
 
 def _span_rad(poses: Sequence[Float]) -> float | None:

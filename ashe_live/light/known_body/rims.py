@@ -71,10 +71,6 @@ class Beside(NamedTuple):
     lost: Float32  # (m, PLACES) light from outside to inside
     hidden: Float32  # (m, PLACES) as in Rims
 
-    def visible_on(self, is_table: Mask) -> Mask:
-        """(m, PLACES) where both sides are seen on the pixels (h, w) that show the bare table."""
-        return _all_on(is_table, self.pixels)
-
 
 def steps_in(pictures: Sequence[tuple[Beside, Mask]], darkenings: Float, sky: Float, least: float) -> RimSteps:
     """What is seen at each outline in any of the pictures, as n lights would have it.
@@ -85,16 +81,10 @@ def steps_in(pictures: Sequence[tuple[Beside, Mask]], darkenings: Float, sky: Fl
     part of the table's light that each light gives, at least `least`. sky: (n,) that of the sky beside it, of which the
     body hides more on the inner side.
     """
-    visible = np.array([beside.visible_on(is_table) for beside, is_table in pictures])
-    if len(pictures) == 1:
-        ((beside, _),) = pictures
-        lost, is_visible = beside.lost, visible[0]
-    else:
-        counts = np.maximum(visible.sum(axis=0), 1).astype(np.float32)
-        lost = (
-            np.sum([beside.lost * here for (beside, _), here in zip(pictures, visible, strict=True)], axis=0) / counts
-        )
-        is_visible = visible.any(axis=0)
+    in_each = np.array([_all_on(is_table, beside.pixels) for beside, is_table in pictures])
+    is_visible = np.asarray(in_each.any(axis=0))
+    lost_in_each = np.array([beside.lost for beside, _ in pictures]) * in_each
+    lost = lost_in_each.sum(axis=0) / np.maximum(in_each.sum(axis=0), 1).astype(np.float32)
     m = len(lost)
     lost = lost - sky[:m, None].astype(np.float32) * pictures[0][0].hidden
     steps = is_visible & (lost > LEAST_STEP * np.maximum(darkenings[:m], least)[:, None])

@@ -116,8 +116,8 @@ class Seen:
     @cached_by_array
     def showing(self, light: Float) -> Photo:
         """The first picture that shows a light's (4,) shadow: at least half as much of its outline as any."""
-        shown = self.edge_images.showing(light)
-        return next(each for each in self.photos if each.edge_image is shown)
+        view = self.edge_images.showing(light).view
+        return next(each for each in self.photos if each.view is view)
 
     def in_light_of(self, lights: Float, darkenings: Float) -> "Seen":
         """The same with the lit table at the body's foot as the measure, which in a lamp's light is as bright nowhere.

@@ -41,7 +41,7 @@ def merged_facets(shots: Sequence[Shot], body: Proxy) -> Facets:
         for number in range(len(facets.normals))
     ]
     best: dict[tuple[int, ...], tuple[Facets, Float, int]] = {}
-    for one in sorted(seen, key=_worse):
+    for one in sorted(seen, key=_rank):
         facets, _, number = one
         best.setdefault(tuple(np.round(facets.normals[number]).astype(int)), one)
     if not best:
@@ -58,8 +58,8 @@ def merged_facets(shots: Sequence[Shot], body: Proxy) -> Facets:
     )
 
 
-def _worse(seen: tuple[Facets, Float, int]) -> tuple[float, bool, float]:
-    """The order of facets in pictures, the best first."""
+def _rank(seen: tuple[Facets, Float, int]) -> tuple[float, bool, float]:
+    """By which a facet in a picture is ranked: the least is the best."""
     facets, _, number = seen
     is_level = facets.normals[number, 2] > LEVEL_Z
     return facets.level_sigma if is_level else 0.0, bool(facets.is_clipped[number]), -float(facets.width_px[number])

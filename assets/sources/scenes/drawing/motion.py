@@ -16,8 +16,8 @@ TRIES = 200
 def frames(rng: Rng, scene: Params) -> Params:
     """`fps`, `span_deg` and for each frame `R` and `t`; the marker stays in view. Raises RuntimeError if it cannot."""
     camera, size = scene["camera"], scene["size"]
-    is_cube = scene["marker"]["dictionary"] == "cube"
-    marker = placed_points(scene["objects"][0], 0.0) if is_cube else square(scene["marker"]["side_m"])
+    is_sheet = "id" in scene["marker"]  # else the cube, which comes first of the objects
+    marker = square(scene["marker"]["side_m"]) if is_sheet else placed_points(scene["objects"][0], 0.0)
     eye = -np.asarray(camera["R"]).T @ np.asarray(camera["t"])
     forward = np.asarray(camera["R"])[2]
     target = eye + forward * (-(eye[2] - 0.02) / forward[2])
