@@ -93,8 +93,8 @@ class Outcome:
 
 
 @pytest.fixture
-def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:
-    """Runs `ashe-live` with these arguments."""
+def run(capfd: pytest.CaptureFixture[str], request: pytest.FixtureRequest) -> Callable[..., Outcome]:
+    """Runs `ashe-live` with these arguments; a test that fails shows what it said."""
 
     def run(*arguments: str | Path) -> Outcome:
         try:
@@ -102,6 +102,7 @@ def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:
         except SystemExit as end:  # argparse's way
             status = end.code
         out, err = capfd.readouterr()
+        request.node.add_report_section("call", f"ashe-live {arguments[0] if arguments else ''}", f"{out}{err}")
         return Outcome(int(status or 0), out.splitlines(), err.splitlines())
 
     return run

@@ -24,7 +24,7 @@ def photo(tmp_path):
         for place, spec in enumerate(specs):
             grey[150:290, 80 + 240 * place : 220 + 240 * place] = parse_marker(spec).bitmap(140)
         path = tmp_path / "photo.png"
-        cv2.imwrite(str(path), cv2.GaussianBlur(grey, (0, 0), 0.8))
+        assert cv2.imwrite(str(path), cv2.GaussianBlur(grey, (0, 0), 0.8))
         return str(path)
 
     return photo
@@ -33,7 +33,7 @@ def photo(tmp_path):
 def test_the_one_marker_in_view_is_followed(run, photo):
     outcome = run("estimate", photo(OTHER), "--hfov", "60", "--json")
     assert outcome.status == 0
-    assert json.loads(outcome.out[0])["marker"]["found"]
+    assert outcome.records[0]["marker"]["found"], outcome
     assert f"{OTHER} is in view and is followed, as no --marker was given" in " ".join(outcome.err)
 
 
@@ -47,7 +47,7 @@ def test_of_many_photos_with_that_marker_it_is_said_once(run, photo, tmp_path):
 
 def test_the_usual_marker_is_followed_whatever_else_is_in_view(run, photo):
     outcome = run("estimate", photo("aruco:4x4_50:0", OTHER), "--hfov", "60", "--json")
-    assert json.loads(outcome.out[0])["marker"]["found"]
+    assert outcome.records[0]["marker"]["found"], outcome
     assert "is followed" not in " ".join(outcome.err)
 
 
