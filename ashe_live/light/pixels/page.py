@@ -1,9 +1,10 @@
 """A whole page laid down as it was printed: where its paper ends, and by what it differs from the ground.
 
 Things stand on such a page and shadows fall onto it, so that it is ground, but of another colour. Both are lit alike:
-along its edges, in light as in shadow, the same ratio of linear light parts ground from paper, whatever lies there.
+along its edges, in light as in shadow, one ratio of linear light parts ground from paper, whatever lies there.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.square import PAGE_FOOT_MM
-from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb
+from ashe_live.light.pixels.page_ground import PageGround, commonest_change, ground_around
 from ashe_live.light.pixels.page_lines import BESIDE, FARTHEST, HALF, LINES, TOGETHER, PageLines, around, largest_beside
 from ashe_live.light.pixels.sheet import ADDED, LARGEST_SHEET, MarkerPicture, Sheet
 
@@ -22,10 +23,10 @@ SHARE, FEWEST = 0.4, 6
 SHARE_ALONG, FEWEST_ALONG = 0.25, 3
 MOST = 0.75  # share of the lines both right and left that end together, above which the two ends may differ
 SIDES = 2  # of a page whose ends are seen, at least
-ALIKE = 0.2  # log-opponent distance within which two changes of colour are alike
 # Width and height of pages (mm) as they are printed: the marker is in their middle above a foot.
 PRINTED_MM = (210, 297), (215.9, 279.4), (297, 420)
 PLACED = 0.06  # how far, in sides, an end may be from where it is on such a page
+PROPORTIONS = 0.03  # largest relative difference of height over width from such a page's, wherever on it the marker is
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,8 +36,7 @@ class PageAround:
     ends: tuple[float, ...]
     # Whether that end is; if not, what is paper and what ground beyond LARGEST_SHEET is unknown.
     is_seen: tuple[bool, ...]
-    ground_over_paper: tuple[float, ...]  # linear RGB
-    paper: tuple[float, ...]  # log-opponent colour where it is lit
+    ground: PageGround
 
     def between(self, side_m: float) -> list[Float]:
         """(4, 3) m each, marker frame: the corners of areas along its border that may be paper or ground."""
@@ -56,26 +56,27 @@ def page_around(lines: PageLines, picture: MarkerPicture) -> PageAround | None:
     A page ends where many lines outwards leave the paper's colour at one distance: shadows and objects on it end each
     line at another. lines: of that picture, beside the marker.
     """
-    ends = [_common_end(*side) for side in zip(lines.is_end, lines.seen, strict=True)]
-    seen = np.array([end is not None for end in ends])
-    first = lines.outwards[[end or 0 for end in ends]]
-    if not _is_page(first, seen):
+    shares = [_share_ending(*side) for side in zip(lines.is_end, lines.seen, strict=True)]
+    ends = [_clearest_end(is_end, share) for is_end, share in zip(lines.is_end, shares, strict=True)]
+    is_off_centre = _is_off_centre(*_places_of(ends, lines), np.array([share.max() for share in shares]))
+    if not is_off_centre:
+        ends = [_nearest_end(is_end, share) for is_end, share in zip(lines.is_end, shares, strict=True)]
+    first, seen = _places_of(ends, lines)
+    if not (is_off_centre or _is_page(first, seen)):
         return None
-    paper, ground = (np.concatenate(each) for each in zip(*lines.colours_beside(ends), strict=True))
-    change = _commonest(ground - paper)
-    lit = np.median(paper, axis=0)
+    paper, change = commonest_change(lines, ends)
     reaches = np.where(seen, first, BESIDE).tolist()
     ends = [end if end is None or lines.ends_in(side, end, change) else None for side, end in enumerate(ends)]
     lines = PageLines.of(picture, reaches)
-    ends[0], ends[2] = _in_the_middle(lines, ends[0], ends[2])
-    printed = _as_printed(lines, ends[0], change)
+    if is_off_centre:
+        printed = np.full(4, np.nan)
+    else:
+        ends[0], ends[2] = _in_the_middle(lines, ends[0], ends[2])
+        printed = _as_printed(lines, ends[0], change)
     found = [_end(lines, side, end, change, place) for side, (end, place) in enumerate(zip(ends, printed, strict=True))]
-    return PageAround(
-        tuple(end for end, _ in found),
-        tuple(is_seen for _, is_seen in found),
-        tuple((np.maximum(linear_rgb(lit + change), 0) / np.maximum(linear_rgb(lit), DARKEST)).tolist()),
-        tuple(lit.tolist()),
-    )
+    distances, is_seen = zip(*found, strict=True)
+    known = [int(np.abs(lines.outwards - end).argmin()) if seen else None for end, seen in found]
+    return PageAround(distances, is_seen, ground_around(lines, known, paper, change))
 
 
 def _is_page(ends: Float, seen: Mask) -> bool:
@@ -103,19 +104,46 @@ def _are_of_a_print(ends: Float, large: Mask) -> bool:
     return False
 
 
+def _is_off_centre(ends: Float, seen: Mask, shares: Float) -> bool:
+    """Whether sides that all end there (4,) are those of a page on which another program has put the marker aside.
+
+    shares: (4,) of the lines that end there, all but one of which nothing stands before.
+    """
+    right, above, left, below = ends
+    if not seen.all() or np.sort(shares)[1] < MOST or abs(right - left) < EVEN or ends.max() < LARGEST_SHEET:
+        return False
+    across, along = sorted((right + left, above + below))
+    shapes = np.array(PRINTED_MM)
+    return bool(np.abs(along / across / (shapes[:, 1] / shapes[:, 0]) - 1).min() < PROPORTIONS)
+
+
 def _printed_shapes() -> Float:
     """(p, 4) how far each printed page reaches right, above, left and below of its marker's centre, in half widths."""
     width, height = np.array(PRINTED_MM).T
     return np.asarray(np.column_stack([width, height - PAGE_FOOT_MM, width, height + PAGE_FOOT_MM]) / width[:, None])
 
 
-def _common_end(is_end: Mask, seen: Mask) -> int | None:
+def _share_ending(is_end: Mask, seen: Mask) -> Float:
+    """(n,) of a side's lines (lines, n) that are seen, the part that end together at each place."""
+    return np.asarray(_ending_together(is_end, TOGETHER) / np.maximum(seen.sum(axis=0), FEWEST))
+
+
+def _nearest_end(is_end: Mask, share: Float) -> int | None:
     """The nearest place at which many of the lines (lines, n) end together; None if there is none."""
-    share = _ending_together(is_end, TOGETHER) / np.maximum(seen.sum(axis=0), FEWEST)
     if share.max() < SHARE:
         return None
     first = int((share >= SHARE).argmax())
     return _middle(is_end, first + int(share[first : first + 2 * TOGETHER + 1].argmax()))
+
+
+def _clearest_end(is_end: Mask, share: Float) -> int | None:
+    """Where most of the lines (lines, n) end together: beyond words, which end those that they are before."""
+    return None if share.max() < SHARE else _middle(is_end, int(share.argmax()))
+
+
+def _places_of(ends: Sequence[int | None], lines: PageLines) -> tuple[Float, Mask]:
+    """(4,) how far away the ends are, in sides, and (4,) whether they are seen."""
+    return lines.outwards[[end or 0 for end in ends]], np.array([end is not None for end in ends])
 
 
 def _in_the_middle(lines: PageLines, right: int | None, left: int | None) -> tuple[int | None, int | None]:
@@ -200,9 +228,3 @@ def _ending_together(is_end: Mask, within: int) -> Float:
     """(n,) how many of the lines (lines, n) end at a place, or within so many samples of it."""
     padded = np.pad(is_end, ((0, 0), (within, within)))
     return np.asarray(sliding_window_view(padded, 2 * within + 1, axis=1).any(axis=-1).sum(axis=0), dtype=np.float64)
-
-
-def _commonest(changes: Float) -> Float:
-    """(3,) the mean of the changes (n, 3) that are like the one that most are like: a pattern's have several."""
-    alike = np.linalg.norm(changes[:, None] - changes, axis=2) < ALIKE
-    return np.asarray(changes[alike[int(alike.sum(axis=1).argmax())]].mean(axis=0), dtype=np.float64)

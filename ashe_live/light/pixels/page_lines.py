@@ -32,6 +32,7 @@ class PageLines:
     """Colours along lines that run outwards across the four sides."""
 
     outwards: Float  # (n,) distances from the centre
+    reaches: tuple[float, ...]  # (4,) of the lines right, above, left and below of the centre
     before: Float32  # (4, lines, n, 3) log-opponent: medians of what lies just before these places
     after: Float32  # (4, lines, n, 3) and from there on
     seen: Mask  # (4, lines, n) whether all of that lies in the picture
@@ -53,13 +54,18 @@ class PageLines:
         is_paper = np.logical_and.accumulate(_is_paper(before, paper), axis=2) & seen
         size = np.where(is_paper, np.linalg.norm(after - before, axis=3), 0.0)
         is_end = (size > CHANGE) & (size >= largest_beside(size))
-        return PageLines(outwards[1:last] - STEP / 2, before, after, seen, is_paper, is_end)
+        return PageLines(outwards[1:last] - STEP / 2, tuple(reaches), before, after, seen, is_paper, is_end)
 
     def colours_beside(self, ends: Sequence[int | None]) -> Iterator[tuple[Float32, Float32]]:
         """Of each side whose end is known, on the lines that end there: (n, 3) of the paper and of what follows it."""
         for side, end in enumerate(ends):
             if end is not None:
                 yield self._beside(side, end)
+
+    def places_beside(self, side: int, end: int) -> Float:
+        """(n, 2) where the lines that end there on a side do, in sides from the centre."""
+        places = _places(self.outwards[[end]], self.reaches)[side, :, 0]
+        return np.asarray(places[self._ending(side, end)])
 
     def ends_in(self, side: int, end: int, change: Float) -> bool:
         """Whether enough of the lines that end there change their colour as paper and ground do, and not an object.
@@ -72,10 +78,14 @@ class PageLines:
 
     def _beside(self, side: int, end: int) -> tuple[Float32, Float32]:
         """(n, 3) colours of the paper and of what follows it, on the lines of one side that end there."""
-        these = self.is_end[side][:, around(end)].any(axis=1)
+        these = self._ending(side, end)
         # A narrow margin ends before there are so many samples of it.
         within, beyond = max(end - CLEAR, 0), min(end + CLEAR, len(self.outwards) - 1)
         return self.before[side, these, within], self.after[side, these, beyond]
+
+    def _ending(self, side: int, end: int) -> Mask:
+        """(lines,) which of a side's lines end there."""
+        return np.asarray(self.is_end[side][:, around(end)].any(axis=1))
 
 
 def _places(outwards: Float, reaches: Sequence[float]) -> Float:

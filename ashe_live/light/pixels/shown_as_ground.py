@@ -6,12 +6,12 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import FRACTION_BITS, Float, Image, Mask, fixed_point
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
-from ashe_live.core.transforms import project
+from ashe_live.core.transforms import project, raycast_to_plane
 from ashe_live.light.pixels.areas import grown, majority
-from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent, log_opponent_of_linear
+from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.near_plane import before_camera
 from ashe_live.light.pixels.page import PageAround
-from ashe_live.light.pixels.page_lines import is_coloured
+from ashe_live.light.pixels.page_lines import FARTHEST, is_coloured
 from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, MarkerPicture, Sheet
 
 STANDS_PX = 5  # across a neighbourhood whose majority decides between noise and what stands on the page
@@ -37,14 +37,24 @@ def page_shown_as_ground(page: PageAround, picture: MarkerPicture) -> tuple[Imag
     inside, border = (np.zeros(image_bgr.shape[:2], np.uint8) for _ in range(2))
     for mask, outline, value in ((inside, whole, 1), (inside, marker, 0), (border, outer, 1), (border, inner, 0)):
         cv2.fillConvexPoly(mask, outline, value, shift=FRACTION_BITS)
-    is_paper = (inside > 0) & ~majority(is_coloured(log_opponent(image_bgr), np.array(page.paper)), STANDS_PX)
-    shown = np.where(is_paper[..., None], in_ground_colour(image_bgr, np.array(page.ground_over_paper)), image_bgr)
-    lit = log_opponent_of_linear(linear_rgb(np.array(page.paper)) * page.ground_over_paper)
-    beside = grown(border > 0, BESIDE_PX) & (border == 0)
-    is_other = np.linalg.norm(log_opponent(shown) - lit, axis=2) > OTHER
+    is_paper = (inside > 0) & ~majority(is_coloured(log_opponent(image_bgr), np.array(page.ground.paper)), STANDS_PX)
+    shown = image_bgr.copy()
+    linear = LINEAR_FROM_SRGB_8BIT[image_bgr[is_paper]] * page.ground.over_paper_at(_places(is_paper, picture))[:, ::-1]
+    shown[is_paper] = np.round(255 * srgb_from_linear(np.minimum(linear, 1)))
+    beside, near = grown(border > 0, BESIDE_PX) & (border == 0), grown(border > 0, BESIDE_PX + STANDS_PX)
+    is_other = np.zeros(near.shape, np.bool_)
+    away = log_opponent(shown)[near] - page.ground.lit_at(_places(near, picture))
+    is_other[near] = np.linalg.norm(away, axis=1) > OTHER
     crossed = (border > 0) & grown(majority(is_other, STANDS_PX) & beside, CROSSED_PX)
     # What is no ground beside it is rounded to whole pixels by itself.
     return painted_over(shown, crossed, PAINTED_PX), grown(crossed, 1)
+
+
+def _places(pixels: Mask, picture: MarkerPicture) -> Float:
+    """(n, 2) where on the marker's plane the chosen pixels (h, w) lie, in its sides from its centre, within a page."""
+    rows, columns = np.nonzero(pixels)
+    there = raycast_to_plane(picture.camera, picture.T_cam_marker, np.column_stack([columns, rows]))[:, :2]
+    return np.clip(np.nan_to_num(there / picture.side_m), -FARTHEST, FARTHEST)
 
 
 def in_ground_colour(image_bgr: Image, ground_over_paper: Float) -> Image:

@@ -1,6 +1,7 @@
 """A whole page is found where it ends, whatever stands or falls on it, and nothing else is taken for one."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -9,8 +10,12 @@ import PIL.Image
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import TrackedFrame
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
+from ashe_live.core.transforms import raycast_to_plane
+from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.page import PageAround, page_around
+from ashe_live.light.pixels.page_ground import PageGround
 from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.sheet import ADDED, Sheet
 from ashe_live.light.pixels.view import View
@@ -134,7 +139,47 @@ def test_the_marker_may_be_small_or_large_on_its_page(marker_mm: float) -> None:
 def test_the_ground_beside_a_page_has_the_colour_that_is_seen_there() -> None:
     page = page_in(paint(CYLINDER, T_cam_marker=ABOVE, page_m=A4).tracked)
     assert page is not None
-    np.testing.assert_allclose(page.ground_over_paper, np.array([0.42, 0.38, 0.33]) / 0.8, rtol=0.06)
+    (at_marker,) = page.ground.over_paper_at(np.zeros((1, 2)))
+    np.testing.assert_allclose(at_marker, np.array([0.42, 0.38, 0.33]) / 0.8, rtol=0.06)
+
+
+@pytest.mark.parametrize("towards", [(0.16, 0.0), (-0.05, 0.12), (0.0, -0.15)])
+def test_a_page_continues_the_ground_where_that_shines_towards_one_side(towards: tuple[float, float]) -> None:
+    """Glossy ground mirrors more of the sky there, and paper does not."""
+    scene = paint(Caster(at=BESIDE_PAGE), azimuth_deg=30, T_cam_marker=ABOVE, page_m=A4)
+    tracked = scene.tracked
+    image = np.asarray(tracked.frame.image_bgr)
+    rows, columns = np.indices(image.shape[:2])
+    pixels = np.column_stack([columns.ravel(), rows.ravel()])
+    plane = raycast_to_plane(tracked.camera, tracked.pose.T_cam_marker, pixels)[:, :2] / SIDE_M
+    by_place = np.exp(np.nan_to_num(plane) @ towards).reshape(image.shape[:2])
+    is_ground = ~scene.sheet & ~scene.body
+    linear = LINEAR_FROM_SRGB_8BIT[image] * np.where(is_ground, by_place, 1.0)[..., None]
+    shining = np.round(255 * srgb_from_linear(np.minimum(linear, 1))).astype(np.uint8)
+    view = View.of(replace(tracked, frame=Frame(shining, 0, 0.0)), 640).with_paper_as_ground()
+    assert view.page is not None
+    shown = log_opponent(np.asarray(view.image_bgr))[..., 0]
+    away = cv2.dilate((scene.shadow | scene.body).astype(np.uint8), np.ones((15, 15))) == 0
+    on_page = cv2.erode(scene.sheet.astype(np.uint8), np.ones((9, 9))) > 0
+    beside = (cv2.dilate(scene.sheet.astype(np.uint8), np.ones((41, 41))) > 0) & (
+        cv2.dilate(scene.sheet.astype(np.uint8), np.ones((9, 9))) == 0
+    )
+    by_right, by_up = (plane[:, axis].reshape(shown.shape) for axis in (0, 1))
+    for side in (by_right > 0.9, by_right < -0.9, by_up > 1.1, by_up < -1.6):
+        paper, ground = (np.median(shown[side & mask & away & view.is_ground]) for mask in (on_page, beside))
+        assert abs(paper - ground) < 0.1
+
+
+@pytest.mark.parametrize("shift", [(0.045, 0.03), (-0.045, -0.08), (0.02, 0.085)])
+def test_a_page_is_found_wherever_on_it_the_marker_is(shift: tuple[float, float]) -> None:
+    """Other programs put it into a corner."""
+    x, y = shift
+    page_m = (0.105 - x, 0.1485 - y, 0.105 + x, 0.1485 + y)
+    away = Caster(at=(-0.2 - x, 0.02))
+    camera = camera_towards((-x, -y), 0.75, 60.0)
+    page = page_in(paint(away, azimuth_deg=30, T_cam_marker=camera, page_m=page_m).tracked)
+    assert page is not None
+    np.testing.assert_allclose(page.ends, np.array(page_m) / SIDE_M, atol=0.04)
 
 
 @pytest.mark.parametrize("ground", ["plain", "checkered", "striped", "bricks"])
@@ -156,7 +201,8 @@ def test_lit_and_in_shadow_a_page_looks_like_the_ground_around_it() -> None:
 
 
 def test_what_may_be_paper_or_ground_is_not_used() -> None:
-    page = PageAround((1.3, 1.6, 1.3, 2.1), (True, True, True, False), (0.5, 0.5, 0.5), (-0.2, 0.0, 0.0))
+    ground = PageGround((-0.2, 0.0, 0.0), ((-0.7, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
+    page = PageAround((1.3, 1.6, 1.3, 2.1), (True, True, True, False), ground)
     right, above, left, below = (corners[:, :2] / SIDE_M for corners in page.between(SIDE_M))
     np.testing.assert_allclose((right[:, 0].min(), right[:, 0].max()), (1.3 - ADDED, 1.3 + ADDED))
     np.testing.assert_allclose((above[:, 1].min(), above[:, 1].max()), (1.6 - ADDED, 1.6 + ADDED))
