@@ -27,6 +27,7 @@ SIDES = 2  # of a page whose ends are seen, at least
 PRINTED_MM = (210, 297), (215.9, 279.4), (297, 420)
 PLACED = 0.06  # how far, in sides, an end may be from where it is on such a page
 PROPORTIONS = 0.03  # largest relative difference of height over width from such a page's, wherever on it the marker is
+LONGEST = 1.7  # of a page, over its width; legal paper has 1.65
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,8 +86,10 @@ def _is_page(ends: Float, seen: Mask) -> bool:
     A large marker leaves a page hardly any margin on either side, but more below. Where something stands on the page's
     end on one side, the others may be those of a page that is printed.
     """
-    right, _, left, _ = ends
+    right, above, left, below = ends
     upright = bool(seen[[0, 2]].all() and abs(right - left) < EVEN)
+    if seen.all() and above + below > LONGEST * (right + left):
+        upright = False  # something else than paper goes on there
     large = seen & (ends >= LARGEST_SHEET)
     if np.count_nonzero(seen) < SIDES:
         return False

@@ -182,6 +182,23 @@ def test_a_page_is_found_wherever_on_it_the_marker_is(shift: tuple[float, float]
     np.testing.assert_allclose(page.ends, np.array(page_m) / SIDE_M, atol=0.04)
 
 
+def test_a_page_reaches_far_from_a_small_marker_in_its_corner() -> None:
+    sides = np.array((0.055, 0.065, 0.155, 0.232)) / 0.05
+    camera = camera_towards((-0.09, -0.15), 1.0, 62.0)
+    page = page_in(
+        paint(Caster(at=(0.16, -0.1)), azimuth_deg=340, T_cam_marker=camera, page_m=(sides * SIDE_M).tolist()).tracked
+    )
+    assert page is not None
+    np.testing.assert_allclose(page.ends, sides, atol=0.05)
+
+
+def test_what_is_longer_than_any_paper_is_no_page() -> None:
+    """Something white that adjoins a marker that was cut out."""
+    strip_m = [SIDE_M * reach for reach in (0.69, 0.69, 0.69, 2.4)]
+    camera = camera_towards((0.0, -0.1), 0.8, 60.0)
+    assert page_in(paint(CYLINDER, azimuth_deg=30, T_cam_marker=camera, page_m=strip_m).tracked) is None
+
+
 @pytest.mark.parametrize("ground", ["plain", "checkered", "striped", "bricks"])
 @pytest.mark.parametrize("margin_m", [0.01, 0.02, 0.04])
 def test_a_marker_that_is_cut_out_lies_on_no_page(ground: str, margin_m: float) -> None:
