@@ -9,9 +9,9 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import FRACTION_BITS, Float, fixed_point
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
-from ashe_live.core.transforms import raycast_to_plane
+from ashe_live.core.transforms import project, raycast_to_plane
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.page import PageAround, page_around
@@ -178,6 +178,22 @@ def test_a_page_is_found_wherever_on_it_the_marker_is(shift: tuple[float, float]
     away = Caster(at=(-0.2 - x, 0.02))
     camera = camera_towards((-x, -y), 0.75, 60.0)
     page = page_in(paint(away, azimuth_deg=30, T_cam_marker=camera, page_m=page_m).tracked)
+    assert page is not None
+    np.testing.assert_allclose(page.ends, np.array(page_m) / SIDE_M, atol=0.04)
+
+
+@pytest.mark.parametrize("words_m", [(-0.04, 0.01), (-0.02, 0.04)])
+def test_words_below_the_marker_do_not_end_the_page(words_m: tuple[float, float]) -> None:
+    page_m = (0.06, 0.12, 0.15, 0.177)
+    camera = camera_towards((0.04, -0.02), 0.7, 60.0)
+    tracked = paint(Caster(at=(0.14, 0.02)), azimuth_deg=30, T_cam_marker=camera, page_m=page_m).tracked
+    (left, right), below = words_m, -0.056
+    around = [(left, below), (right, below), (right, below - 0.006), (left, below - 0.006)]
+    outline = project(tracked.camera, tracked.pose.T_cam_marker, np.insert(around, 2, 0.0, axis=1))
+    image = np.array(tracked.frame.image_bgr)
+    grey = (150, 150, 150)  # of letters whose strokes the camera does not resolve
+    cv2.fillConvexPoly(image, fixed_point(outline), grey, cv2.LINE_AA, FRACTION_BITS)
+    page = page_in(replace(tracked, frame=Frame(image, 0, 0.0)))
     assert page is not None
     np.testing.assert_allclose(page.ends, np.array(page_m) / SIDE_M, atol=0.04)
 
