@@ -7,13 +7,22 @@ whose Illumination the renderer draws in.
 from dataclasses import dataclass
 
 from ashe_live.core import arguments
-from ashe_live.core.arrays import Float, Image, frozen_floats, frozen_view, set_frozen, set_given_frozen
+from ashe_live.core.arrays import (
+    Float,
+    Image,
+    frozen_floats,
+    frozen_view,
+    read_only_copies,
+    set_frozen,
+    set_given_frozen,
+)
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import PoseShapeErrors, Proxy
 from ashe_live.core.ranges import MARKER_SIDE
 from ashe_live.core.square import PlaneMarker
 
 
+@read_only_copies
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """One picture of a source.
@@ -37,6 +46,7 @@ class Frame:
         return self.image_bgr.shape[1], self.image_bgr.shape[0]
 
 
+@read_only_copies
 @dataclass(frozen=True, slots=True, eq=False)
 class MarkerPose:
     """Where the marker stands in front of the camera, and how well that explains its corners.
@@ -85,6 +95,7 @@ class MarkerPose:
         return self.T_cam_marker if self.unfiltered_T_cam_marker is None else self.unfiltered_T_cam_marker
 
 
+@read_only_copies
 @dataclass(frozen=True, slots=True, eq=False)
 class TrackedFrame:
     """A frame and the pose measured in it: one object, so that video and model are never out of step.
