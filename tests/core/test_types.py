@@ -110,6 +110,34 @@ def test_what_a_value_cannot_hold_is_named(make: Callable[[], object], error: ty
         make()
 
 
+@pytest.mark.parametrize(
+    ("T", "why"),
+    [
+        (np.diag([1.0, 1.0, -1.0, 1.0]), "mirrors"),  # as between frames of which one is left-handed
+        (np.diag([100.0, 100.0, 100.0, 1.0]), "right angles, each of length 1"),  # centimetres
+        (np.array([(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0.1, 0, 0.5, 1.0)]), "last row"),  # row vectors
+        (np.zeros((4, 4)), "last row"),
+    ],
+)
+def test_a_pose_that_is_not_rigid_is_refused(T: NDArray[np.float64], why: str) -> None:
+    """A light found in it would point elsewhere, and be sure of it."""
+    for make in (
+        lambda: MarkerPose(T, CORNERS, 0.08, 0.1, None),
+        lambda: MarkerPose(np.eye(4), CORNERS, 0.08, 0.1, None, unfiltered_T_cam_marker=T),
+        lambda: TrackedFrame(frame(), Camera.from_hfov((4, 3), 60), None, T_room_marker=T),
+    ):
+        with pytest.raises(ValueError, match=why):
+            make()
+
+
+def test_a_pose_may_be_rounded() -> None:
+    angle = math.radians(40)
+    R = np.array([(math.cos(angle), 0, math.sin(angle)), (0, 1, 0), (-math.sin(angle), 0, math.cos(angle))])
+    T = np.eye(4)
+    T[:3, :3] = R.round(2)
+    MarkerPose(T.astype(np.float32), CORNERS, 0.08, 0.1, None)
+
+
 def test_values_cross_between_processes() -> None:
     pose = MarkerPose(np.eye(4), CORNERS, 0.08, 0.1, 0.2)
     tracked = TrackedFrame(frame(), Camera.from_hfov((4, 3), 60), pose, 1.5)
