@@ -160,7 +160,11 @@ def scaled_pixels(pixels: Float, scale: float | Float) -> Float:
 
 
 def fitted(camera: Camera, size: Size, name: str = "the camera") -> Camera:
-    """`camera` for frames of another size of the same aspect ratio. Raises UserError, with that name, for any other."""
+    """`camera` for frames of another size of the same aspect ratio. Raises UserError, with that name, for any other.
+
+    ValueError for a size that no picture may have, which no camera could mend.
+    """
+    arguments.picture_size(size, "the picture's size")
     try:
         return camera.resized(size)
     except ValueError as error:
