@@ -75,7 +75,7 @@ def estimate_light(
     side_m: the black square's side (None: 0.08) or the cube's edge (None: 0.06), metres.
     quality: "fast", "balanced" or "accurate".
     estimator: "proxy", or "paper" for the AShE paper's method.
-    light: "sun", "lamp", or "auto": a lamp where the picture shows its distance.
+    light: "sun"; "auto": a lamp where the picture shows its distance; "lamp": where it tells anything of its distance.
     caster: the object that casts the shadow, where its shape and size are known: "box:WxDxH", "cylinder:RxH" or
     "sphere:R" in metres, or the path of a model, whose convex hull it is.
     empty_bgr: the same view without the object, of the same size, by a camera that hardly moved: the ground's pattern,

@@ -31,14 +31,15 @@ class Renderer:
     """Draws models into pictures, without a window. For use by the thread that made it; a context manager.
 
     Elsewhere, in a forked process, and after `release`, its methods raise ValueError: OpenGL would hang or crash there.
+    So does making one in a process that was forked from one with a renderer: `multiprocessing` has to "spawn" it.
     What signals raise, as Ctrl-C does or a notebook's button, waits until the picture is drawn.
     """
 
     def __init__(self, size: Size, quality: str = "balanced") -> None:
         """`size` is the width and height of the pictures to come, in pixels, into which the video's are fitted.
 
-        Raises UserError when there is no OpenGL 3.3, ValueError for a size that is too large to be drawn or an unknown
-        quality, TypeError for what is no size.
+        Raises UserError when there is no OpenGL 3.3, ValueError for a size that is too large to be drawn, an unknown
+        quality or a forked process, TypeError for what is no size.
         """
         # Only here, so that estimating and tracking do without OpenGL.
         from ashe_live.render.gl.offscreen import offscreen_context

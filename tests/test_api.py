@@ -431,6 +431,21 @@ def test_a_renderer_is_for_its_own_thread_and_process_and_until_it_is_released()
         renderer.render(TRACKED, "cube")
 
 
+def test_a_process_that_is_forked_from_one_with_a_renderer_refuses_to_make_another():
+    """It would wait for ever for threads of the driver that are in the other process."""
+    with al.Renderer((64, 48)):
+        child = os.fork()
+        if child == 0:
+            signal.alarm(20)  # which ends it where it hangs
+            try:
+                al.Renderer((64, 48))
+            except ValueError as error:
+                os._exit(0 if "spawn" in str(error) else 2)
+            finally:
+                os._exit(1)
+        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
 def test_what_a_person_can_mend_is_a_user_error():
     camera, grey = CAMERA, GREY
     with pytest.raises(al.UserError):

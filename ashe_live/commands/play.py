@@ -19,7 +19,9 @@ def run(options: argparse.Namespace) -> int:
     notes: list[str] = []
     # Numbers of models are of the followed marker's family, which the file may tell.
     asked = options if spelled.takes_any_marker else spelled
-    chosen = with_markers_spelled(with_marker_in(source, asked, announce=notes.append))
+    # A window looks for markers while it plays.
+    searched = (0, options.frames and options.frames - 1) if options.headless else None
+    chosen = with_markers_spelled(with_marker_in(source, asked, announce=notes.append, searched=searched))
     tracker = make_tracker(chosen, source=source)
     tracker_for = tracker_maker(chosen, source=source)
     return show(ViewerSetup(source, tracker, chosen, tracker_for=tracker_for, notes=tuple(notes)))

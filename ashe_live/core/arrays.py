@@ -2,9 +2,10 @@
 
 import itertools
 import math
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import fields
 from functools import cache, wraps
-from typing import Any, TypeVar, TypeVarTuple
+from typing import Any, TypeVar, TypeVarTuple, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -63,9 +64,9 @@ def frozen_view(array: NDArray[Any]) -> NDArray[Any]:
     return view
 
 
-def set_frozen(instance: object, **fields: object) -> None:
+def set_frozen(instance: object, **values: object) -> None:
     """Sets fields of a frozen dataclass; for use in its __post_init__, and on a copy that nobody else has yet."""
-    for name, value in fields.items():
+    for name, value in values.items():
         object.__setattr__(instance, name, value)
 
 
@@ -74,6 +75,31 @@ def set_given_frozen(instance: object, **shapes: tuple[int, ...]) -> None:
     for name, shape in shapes.items():
         if (values := getattr(instance, name)) is not None:
             set_frozen(instance, **{name: frozen_floats(values, shape, name)})
+
+
+def set_views(instance: object, *names: str) -> None:
+    """Replaces each array of these fields by its `frozen_view`; one that is None stays None."""
+    for name in names:
+        if (array := getattr(instance, name)) is not None:
+            set_frozen(instance, **{name: frozen_view(np.asarray(array))})
+
+
+def read_only_copies(cls: type[Owner]) -> type[Owner]:
+    """Makes the arrays of a frozen dataclass read-only also in a deep copy and in one for another process.
+
+    NumPy copies and unpickles arrays as writable ones, so that a value that came back from there could be changed.
+    """
+    names = [field.name for field in fields(cast(Any, cls))]
+
+    def restored(self: Owner, state: Sequence[object] | Mapping[str, object]) -> None:
+        values = state if isinstance(state, Mapping) else dict(zip(names, state, strict=True))
+        for value in values.values():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+        set_frozen(self, **values)
+
+    cls.__setstate__ = restored  # type: ignore[attr-defined]
+    return cls
 
 
 def same_objects(some: Sequence[object], others: Sequence[object]) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ashe_live.core import arguments
-from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.core.arrays import Float, frozen_floats, read_only_copies, set_frozen
 from ashe_live.core.ranges import DISTORTION, DRAWN, FIELD_OF_VIEW, FOCAL, PIXEL
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
@@ -36,6 +36,7 @@ DISTORTION_LENGTHS = (4, 5, 8, 12, 14)
 FOREIGN_MODELS = ("fisheye", "equidistant", "kannala")
 
 
+@read_only_copies
 @dataclass(frozen=True, slots=True, eq=False)
 class Camera:
     """Intrinsics for frames of one size, by OpenCV's model, pixel centres at integers.
@@ -159,7 +160,11 @@ def scaled_pixels(pixels: Float, scale: float | Float) -> Float:
 
 
 def fitted(camera: Camera, size: Size, name: str = "the camera") -> Camera:
-    """`camera` for frames of another size of the same aspect ratio. Raises UserError, with that name, for any other."""
+    """`camera` for frames of another size of the same aspect ratio. Raises UserError, with that name, for any other.
+
+    ValueError for a size that no picture may have, which no camera could mend.
+    """
+    arguments.picture_size(size, "the picture's size")
     try:
         return camera.resized(size)
     except ValueError as error:

@@ -9,17 +9,17 @@ from typing import Self
 import numpy as np
 
 from ashe_live.core import arguments
-from ashe_live.core.arrays import Float, Mask, frozen_floats, set_frozen, set_given_frozen
+from ashe_live.core.arrays import Float, Mask, frozen_floats, read_only_copies, set_frozen, set_given_frozen, set_views
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.ranges import ANGLE, INVERSE_DISTANCE, LAMP_RADIUS, SHARE
 from ashe_live.core.transforms import angles_from_direction, normalised
 from ashe_live.core.types import TrackedFrame
 
-# 1/m: what is farther away than that counts as a sun, as the squares of smaller numbers are 0.
-LEAST_INVERSE_DISTANCE = 1e-100
+LEAST_INVERSE_DISTANCE = 1e-100  # 1/m: what is farther away counts as a sun, as squares of smaller numbers are 0
 LEAST_REST = 1e-6  # share of all other light by which a lamp's is divided
 
 
+@read_only_copies
 @dataclass(frozen=True, slots=True, eq=False)
 class Light:
     """A sun or a lamp, with the uncertainty of its direction. What was not measured is None.
@@ -127,6 +127,7 @@ class Light:
         )
 
 
+@read_only_copies
 @dataclass(frozen=True, slots=True, eq=False)
 class Illumination:
     """The light of a scene, whether it was estimated, set by hand or made up by a program.
@@ -182,6 +183,7 @@ class Illumination:
         return replace(self, lights=lights, ambient_rgb_ratio=ambient_rgb_ratio, as_read=as_read)
 
 
+@read_only_copies
 @dataclass(frozen=True, slots=True, eq=False)
 class LightEstimate:
     """An estimator's answer to one frozen frame: the light, and how it was found; or the `reason` why there is none.
@@ -213,6 +215,7 @@ class LightEstimate:
         if not self.lights and not self.reason:
             raise ValueError("an estimate without a light needs a reason")
         set_frozen(self, views=tuple(self.views) or (self.frame_index,))
+        set_views(self, "object_mask", "shadow_mask")
         if self.views[0] != self.frame_index:
             raise ValueError(f"the first view of frame {self.frame_index} is itself, not {self.views[0]}")
         if self.span_rad is not None:

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core import arguments
-from ashe_live.core.arrays import Float, frozen_floats, frozen_view, set_frozen, unit_circle
+from ashe_live.core.arrays import Float, frozen_floats, frozen_view, read_only_copies, set_frozen, unit_circle
 
 TILTS = np.linspace(-math.pi / 2, math.pi / 2, 9)  # from a spheroid's lowest point to its highest
 
 
+@read_only_copies
 @dataclass(frozen=True, slots=True, eq=False)
 class ProxyMesh:
     """A closed surface of any shape."""
@@ -28,6 +29,7 @@ class ProxyMesh:
         set_frozen(self, points_marker=points, triangles=frozen_view(triangles))
 
 
+@read_only_copies
 @dataclass(frozen=True, eq=False)
 class Proxy:
     """The real object's stand-in: the convex hull of upright spheroids (a point, a disc, a ball are special cases)."""
@@ -88,6 +90,7 @@ class Proxy:
         return points, triangles
 
 
+@read_only_copies
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseShapeErrors:
     """How a body and the frame in which it stands on its plane may be off together: independent causes, r of them.

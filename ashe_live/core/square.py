@@ -5,12 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.core.arrays import Float, frozen_floats, read_only_copies, set_frozen
 from ashe_live.core.ranges import MARKER_SIDE
 
 PAGE_FOOT_MM = 45  # of a page as it is printed: below the middle part, in whose middle the marker is
 
 
+@read_only_copies
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneMarker:
     """Where another marker lies on the plane z = 0 of the one that is followed, and how large it is there."""

@@ -6,14 +6,27 @@ whose Illumination the renderer draws in.
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ashe_live.core import arguments
-from ashe_live.core.arrays import Float, Image, frozen_floats, frozen_view, set_frozen, set_given_frozen
+from ashe_live.core.arrays import (
+    Float,
+    Image,
+    frozen_floats,
+    frozen_view,
+    read_only_copies,
+    set_frozen,
+    set_given_frozen,
+)
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import PoseShapeErrors, Proxy
 from ashe_live.core.ranges import MARKER_SIDE
 from ashe_live.core.square import PlaneMarker
 
+RIGID_WITHIN = 0.01  # of products of axes: a matrix that was written down with two decimals is within
 
+
+@read_only_copies
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """One picture of a source.
@@ -37,6 +50,7 @@ class Frame:
         return self.image_bgr.shape[1], self.image_bgr.shape[0]
 
 
+@read_only_copies
 @dataclass(frozen=True, slots=True, eq=False)
 class MarkerPose:
     """Where the marker stands in front of the camera, and how well that explains its corners.
@@ -55,7 +69,8 @@ class MarkerPose:
     origin, whether it can be seen or not.
     pose_shape_errors: how pose and body may be off; of the pose it is `covariance`.
 
-    Raises ValueError for an array of another shape, for what is not finite, and for a side beyond MARKER_SIDE.
+    Raises ValueError for an array of another shape, for what is not finite or, as a pose that scales or mirrors, not
+    rigid, and for a side beyond MARKER_SIDE.
     """
 
     T_cam_marker: Float
@@ -77,6 +92,8 @@ class MarkerPose:
             corners_px=frozen_floats(self.corners_px, (4, 2), "corners_px"),
         )
         set_given_frozen(self, covariance=(6, 6), noise_covariance=(6, 6), unfiltered_T_cam_marker=(4, 4))
+        _check_rigid(self.T_cam_marker, "T_cam_marker")
+        _check_rigid(self.unfiltered_T_cam_marker, "unfiltered_T_cam_marker")
         MARKER_SIDE.checked(self.side_m, "side_m")
 
     @property
@@ -85,6 +102,7 @@ class MarkerPose:
         return self.T_cam_marker if self.unfiltered_T_cam_marker is None else self.unfiltered_T_cam_marker
 
 
+@read_only_copies
 @dataclass(frozen=True, slots=True, eq=False)
 class TrackedFrame:
     """A frame and the pose measured in it: one object, so that video and model are never out of step.
@@ -100,7 +118,8 @@ class TrackedFrame:
     unmoved.
     clean_plate_bgr: (h, w, 3) uint8 sRGB: the same view without the object, by a camera that stood still; None: none.
 
-    Raises ValueError for a camera or a clean plate of another size than the frame, TypeError for other kinds of object.
+    Raises ValueError for a camera or a clean plate of another size than the frame and for a T_room_marker that is not
+    rigid, TypeError for other kinds of object.
     """
 
     frame: Frame
@@ -118,6 +137,7 @@ class TrackedFrame:
         if self.marker is not None:
             arguments.instance(self.marker, MarkerPose, "marker")
         set_given_frozen(self, T_room_marker=(4, 4))
+        _check_rigid(self.T_room_marker, "T_room_marker")
         if self.camera.size != self.frame.size:
             raise ValueError(f"a camera for {self.camera.size} cannot explain a frame of {self.frame.size}")
         if self.clean_plate_bgr is not None:
@@ -132,3 +152,16 @@ class TrackedFrame:
         if self.marker is None:
             raise ValueError("there is no marker in this frame")
         return self.marker
+
+
+def _check_rigid(T: Float | None, name: str) -> None:
+    """Raises ValueError for a (4, 4) that is no rotation and shift: in it a light would be wrong, and surely so."""
+    if T is None:
+        return
+    R = T[:3, :3]
+    if np.abs(T[3] - (0, 0, 0, 1)).max() > RIGID_WITHIN:
+        raise ValueError(f"{name} needs the last row 0 0 0 1: columns are vectors, and the shift is the last one")
+    if np.abs(R.T @ R - np.eye(3)).max() > RIGID_WITHIN:
+        raise ValueError(f"{name} is not rigid: its first three columns must be at right angles, each of length 1")
+    if np.linalg.det(R) < 0:
+        raise ValueError(f"{name} mirrors, and is no rotation: one axis points the wrong way")

@@ -75,6 +75,11 @@ def test_of_a_picture_that_was_taken_upright_the_other_way_to_hold_the_camera_is
     assert said in caught.value.remedy
 
 
+def test_a_picture_that_is_too_large_is_not_told_to_be_calibrated_for() -> None:
+    with pytest.raises(ValueError, match="a side of the picture's size must be a number from 1 to 16384 px"):
+        fitted(Camera.from_hfov((640, 480), 60), (32000, 24000))
+
+
 @pytest.mark.parametrize("count", range(16))
 def test_distortion_has_as_many_coefficients_as_opencv_takes(count: int) -> None:
     def with_distortion() -> Camera:

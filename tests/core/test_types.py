@@ -1,15 +1,19 @@
 """Value types refuse what they cannot mean, and cannot be changed."""
 
+import copy
 import dataclasses
 import math
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.light import Illumination, Light, LightEstimate
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 
 CORNERS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
@@ -106,9 +110,64 @@ def test_what_a_value_cannot_hold_is_named(make: Callable[[], object], error: ty
         make()
 
 
+@pytest.mark.parametrize(
+    ("T", "why"),
+    [
+        (np.diag([1.0, 1.0, -1.0, 1.0]), "mirrors"),  # as between frames of which one is left-handed
+        (np.diag([100.0, 100.0, 100.0, 1.0]), "right angles, each of length 1"),  # centimetres
+        (np.array([(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0.1, 0, 0.5, 1.0)]), "last row"),  # row vectors
+        (np.zeros((4, 4)), "last row"),
+    ],
+)
+def test_a_pose_that_is_not_rigid_is_refused(T: NDArray[np.float64], why: str) -> None:
+    """A light found in it would point elsewhere, and be sure of it."""
+    for make in (
+        lambda: MarkerPose(T, CORNERS, 0.08, 0.1, None),
+        lambda: MarkerPose(np.eye(4), CORNERS, 0.08, 0.1, None, unfiltered_T_cam_marker=T),
+        lambda: TrackedFrame(frame(), Camera.from_hfov((4, 3), 60), None, T_room_marker=T),
+    ):
+        with pytest.raises(ValueError, match=why):
+            make()
+
+
+def test_a_pose_may_be_rounded() -> None:
+    angle = math.radians(40)
+    R = np.array([(math.cos(angle), 0, math.sin(angle)), (0, 1, 0), (-math.sin(angle), 0, math.cos(angle))])
+    T = np.eye(4)
+    T[:3, :3] = R.round(2)
+    MarkerPose(T.astype(np.float32), CORNERS, 0.08, 0.1, None)
+
+
 def test_values_cross_between_processes() -> None:
     pose = MarkerPose(np.eye(4), CORNERS, 0.08, 0.1, 0.2)
     tracked = TrackedFrame(frame(), Camera.from_hfov((4, 3), 60), pose, 1.5)
     back = pickle.loads(pickle.dumps(tracked))
     np.testing.assert_array_equal(back.marker.T_cam_marker, pose.T_cam_marker)
     assert back.camera.size == (4, 3)
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda value: pickle.loads(pickle.dumps(value))])
+def test_copies_of_values_are_read_only_as_well(copied: Callable[[TrackedFrame], TrackedFrame]) -> None:
+    """NumPy's own copies are not, so that a light from another process could be bent, and would be no unit vector."""
+    pose = MarkerPose(np.eye(4), CORNERS, 0.08, 0.1, 0.2, body=Proxy("box", np.ones((1, 5))))
+    tracked = TrackedFrame(frame(), Camera.from_hfov((4, 3), 60), pose, T_room_marker=np.eye(4))
+    seen = Illumination((Light((0.0, 0.0, 1.0)),), np.ones(3), seen_in=tracked)
+    mask = np.ones((2, 2), bool)
+    given = LightEstimate("proxy", 0, seen, object_mask=mask, shadow_mask=mask)
+    for value in (given, copied(given)):
+        found = list(arrays_in(value))
+        assert len(found) == 11
+        assert not any(array.flags.writeable for array in found)
+    mask[0, 0] = False  # the caller's own stays so
+
+
+def arrays_in(value: object) -> Iterator[NDArray[Any]]:
+    """All arrays in a value and in the values in it."""
+    if isinstance(value, np.ndarray):
+        yield value
+    elif dataclasses.is_dataclass(value):
+        for field in dataclasses.fields(value):
+            yield from arrays_in(getattr(value, field.name))
+    elif isinstance(value, tuple):
+        for each in value:
+            yield from arrays_in(each)

@@ -112,7 +112,7 @@ class FileEstimator:
             with open_source(path) as source:
                 is_known = states_no_camera(source) and source.size in cameras
                 camera_for = cameras.__getitem__ if is_known else self.camera_for
-                chosen = with_marker_in(source, options, self.followed)
+                chosen = with_marker_in(source, options, self.followed, searched=options.frames)
                 tracker = make_tracker(chosen, camera_for, source=source)
                 record = dataclasses.replace(record, is_photo=source.is_photo)
                 seen = look_at(source, tracker, wanted)
@@ -188,9 +188,10 @@ class FileEstimator:
 
     def _marker_of_all(self, paths: Sequence[Path]) -> argparse.Namespace:
         """The options with the marker of the first file in which there is one."""
+        frames = self.options.frames
         for source in openable(paths) if self.options.takes_any_marker else ():
             with suppress(Exception):  # its own line says so
-                if (found := marker_in(source, self.options, self.followed)) is not None:
+                if (found := marker_in(source, self.options, self.followed, searched=frames)) is not None:
                     return with_marker(self.options, found)
         return self.options
 

@@ -2,6 +2,7 @@
 
 import contextlib
 import gc
+import os
 import sys
 from collections.abc import Iterator
 from typing import Any
@@ -28,9 +29,18 @@ STANDALONE: dict[str, Any] = {"standalone": True} | ({"backend": "egl"} if sys.p
 # The latter is moderngl's name for all errors newer than OpenGL 3, GL_CONTEXT_LOST among them.
 FATAL_ERRORS = ("GL_OUT_OF_MEMORY", "GL_UNKNOWN_ERROR")
 
+_users: set[int] = set()  # this process, if it has asked for a context, and those it was forked from that had
+
 
 def offscreen_context() -> moderngl.Context:
-    """A standalone context of OpenGL 3.3 core or later. Raises UserError when the machine has none."""
+    """A standalone context of OpenGL 3.3 core or later. Raises UserError when the machine has none.
+
+    ValueError in a process that was forked from one that had a context: the driver's threads stayed behind, and what
+    waits for them would wait for ever.
+    """
+    if _users and os.getpid() not in _users:
+        raise ValueError('OpenGL is of no use in a process forked from one that used it: start it by "spawn"')
+    _users.add(os.getpid())
     try:
         return moderngl.create_context(GL_VERSION, **STANDALONE)
     except Exception as error:  # glcontext raises whatever the loader of shared libraries tells it

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.tracking.families.markers import parse_marker
 from tests.shipped_scenes import FOLDER
 
@@ -105,6 +106,39 @@ def test_a_photo_is_shown_with_the_marker_that_is_in_it(run, photo):
     outcome = run("play", photo(OTHER), *headless, "--marker", "aruco:4x4_50:3")
     assert outcome.status == 3
     assert f"{OTHER} is in view: --marker {OTHER}" in " ".join(outcome.err)
+
+
+@pytest.fixture
+def late_clip(photo, tmp_path):
+    """Twelve black frames, then twelve with the marker, 6 of each a second."""
+
+    def clip() -> str:
+        shown = cv2.imread(photo(OTHER))
+        path = tmp_path / "late.mp4"
+        with Recorder(path, (640, 480), 6) as recorder:
+            for number in range(24):
+                recorder.write(shown if number >= 12 else np.zeros_like(shown), number / 6)
+        return str(path)
+
+    return clip
+
+
+def test_a_clip_may_begin_without_its_marker(run, late_clip):
+    """As one that begins black, or beside the table, does: in a file nobody can point to the marker while it plays."""
+    clip, camera = late_clip(), ("--hfov", "60")
+    (record,) = run("estimate", clip, *camera, "--json").records
+    assert record["marker"]["found"]
+    outcome = run("play", clip, *camera, "--headless", "--quality", "fast", "--no-hide-marker")
+    assert "marker in 12 of 24 frames" in " ".join(outcome.out)
+
+
+def test_a_clip_is_searched_for_its_marker_where_it_is_looked_at(run, late_clip):
+    clip = late_clip()
+    (record,) = run("estimate", clip, "--hfov", "60", "--frames", "20:", "--json").records
+    assert record["marker"]["found"]
+    outcome = run("estimate", clip, "--hfov", "60", "--frames", "0:10")
+    assert outcome.status == 3
+    assert "is followed" not in " ".join(outcome.err)
 
 
 def test_where_no_pose_explains_the_marker_the_camera_is_doubted(run):
