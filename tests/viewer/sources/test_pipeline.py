@@ -54,11 +54,19 @@ def assert_settles(pipeline: Pipeline, at: int) -> None:
 
 
 def pause(pipeline: Pipeline) -> None:
-    """Pauses it, and takes what was under way when the pause came."""
+    """Pauses it, and takes what was under way when the pause came: it was handed over once the thread rests."""
+    capture, resting = pipeline._capture, threading.Event()
+    wait = capture._wait
+
+    def noted(until: Callable[[], bool], timeout_s: float | None = None) -> None:
+        if timeout_s is None:  # for a person, and not for a frame's time
+            resting.set()
+        wait(until, timeout_s)
+
+    capture._wait = noted
     pipeline.pause(True)
-    await_that(lambda: pipeline._capture._wish.paused)
-    while pipeline.frames.take(A_WHILE_S) is not None:
-        pass
+    assert resting.wait(PATIENCE_S)
+    pipeline.frames.take(0.0)
 
 
 @pytest.fixture
@@ -111,7 +119,8 @@ def stepped(pipeline: Pipeline, times: int) -> list[int | None]:
 
 @pytest.mark.parametrize("kind", ["Source", "Clip"])
 def test_frames_come_in_order_and_the_end_holds(run, fakes, kind):
-    source = getattr(fakes, kind)(6)
+    source, read = getattr(fakes, kind)(6), list[int]()
+    source.hook = read.append
     pipeline = run(source)
     taken = indices(pipeline, until=5)
     assert taken == sorted(taken)
@@ -119,7 +128,7 @@ def test_frames_come_in_order_and_the_end_holds(run, fakes, kind):
     assert "R starts it again" in pipeline.status
     assert pipeline.frames.take(A_WHILE_S) is None
     assert not pipeline.frames.is_closed
-    assert source.reads == 7, "nobody looks again and again whether there is more"
+    assert read.count(6) == 1, "nobody looks again and again whether there is more"
 
 
 def test_the_last_frame_is_shown_however_late(make, fakes, clock):
