@@ -86,5 +86,6 @@ def test_a_facet_that_hangs_over_the_table_sends_what_its_form_factor_says() -> 
 
 
 def test_however_near_a_facet_fills_no_more_than_half_of_the_view_of_the_table() -> None:
-    near = part_from_facet(upright(1.0, 1.0), np.array(0.5), np.geomspace(1e-6, 1e-2, 9))
-    assert (near <= 0.5).all()
+    """Also where its pieces are as large as they are far."""
+    along, away = np.linspace(0.3, 0.7, 50)[None], np.geomspace(1e-6, 1, 50)[:, None]
+    assert part_from_facet(upright(1.0, 1.0), along, away).max() <= 0.5
