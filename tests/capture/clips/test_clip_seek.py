@@ -12,6 +12,7 @@ from av.video.frame import VideoFrame
 
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.index import ClipIndex
+from ashe_live.capture.clips.pictures import ClipPictures
 from ashe_live.capture.container import Searched
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
@@ -236,6 +237,9 @@ def test_a_jump_decodes_from_the_keyframe_before_it_alone(film, monkeypatch, nam
                 source.seek_frame(place)
             assert len(passed) <= place % 12 + 1
             assert_same(source.read(), frames[place])
+        for place in (60, 35, 12):  # by time as well, also where decoding begins with the very frame
+            source.seek(frames[place].time_s)
+            assert_same(source.read(), frames[place])
 
 
 def test_an_index_that_is_wrong_is_not_believed(film, monkeypatch) -> None:
@@ -309,6 +313,8 @@ def test_a_length_that_is_not_stated_is_that_of_what_was_read(film, name: str) -
         path.write_bytes(2 * path.read_bytes())
     with ClipSource(path) as source:
         at_first_s = source.duration_s
+        assert source.read() is not None
+        assert source.duration_s == at_first_s
         *_, last = source
         assert at_first_s is None or at_first_s < 0.6 * last.time_s
         assert source.duration_s == pytest.approx(last.time_s)
@@ -321,11 +327,25 @@ def test_the_duration_is_known_before_the_end(film, name: str) -> None:
     """Wherever the first picture is, from which Matroska's header does not count."""
     with ClipSource(film([time + 7000 for time in EVEN], name, bf="2")) as source:
         assert source.duration_s == pytest.approx(EVEN[-1] / 1000, abs=0.005)
-        assert len(list(source)) == COUNT
+        assert source.read() is not None
+        assert source.duration_s == pytest.approx(EVEN[-1] / 1000, abs=0.005), "however little of it was read"
+        assert len(list(source)) == COUNT - 1
         assert source.note is None
         source.seek(1.0)
         source.rewind()
         assert source.duration_s == pytest.approx(EVEN[-1] / 1000, abs=1e-6)
+
+
+def test_a_stated_length_is_believed_until_the_frames_are_listed_and_no_more_after_that(film, monkeypatch) -> None:
+    """As of a clip with more sound than pictures, which is played again and again."""
+    path = film(EVEN, g="12")
+    monkeypatch.setattr(ClipPictures, "stated_duration_s", lambda _pictures: 100.0)
+    with ClipSource(path) as source:
+        assert source.duration_s == 100.0
+        source.seek(1.0)
+        assert source.duration_s == pytest.approx(EVEN[-1] / 1000)
+        source.rewind()
+        assert source.duration_s == pytest.approx(EVEN[-1] / 1000)
 
 
 @pytest.mark.skipif(not REAL.is_dir(), reason="no shared/real beside the checkout")
