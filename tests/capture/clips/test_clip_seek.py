@@ -113,6 +113,8 @@ def test_of_clips_that_were_joined_byte_by_byte(film, tmp_path: Path, shift_ms: 
     parts = [film([time + shift for time in EVEN], f"{shift}.ts", bf="2", g="12") for shift in (2000, 2000 + shift_ms)]
     joined = tmp_path / "joined.ts"
     joined.write_bytes(b"".join(part.read_bytes() for part in parts))
+    with joined.open("rb") as file:
+        assert ClipIndex.read(file) is None
     times_s = [frame.time_s for frame in frames_of(joined)]
     np.testing.assert_allclose(times_s, 0.04 * np.arange(2 * COUNT), atol=1e-6)
     assert_seeks_right(joined, 2 * COUNT)
