@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -447,6 +448,8 @@ def test_what_is_known_of_a_source_before_it_is_read(make, fakes):
     clip, photo = make(fakes.Clip(11, fps=10.0)), make(fakes.Source(1, fps=None, is_photo=True))
     assert (clip.is_clip, clip.fps, clip.duration_s, clip.marker) == (True, 10.0, 1.0, fakes.Tracker.marker.spec)
     assert (photo.is_clip, photo.fps, photo.duration_s) == (False, PHOTO_FPS, None)
+    assert (clip.name, clip.clip_path) == ("fake", Path("clip.mp4"))
+    assert (photo.name, photo.clip_path) == ("fake", None)
     other = make(fakes.Clip(2), tracker_for=lambda _spec, _hfov_deg: fakes.Tracker())
     other.follow("cube")
     other.see_by(50.0)
