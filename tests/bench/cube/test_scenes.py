@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ashe_live.bench.cube.painted_scene import on_table
+from ashe_live.bench.cube.painted_scene import Folds, on_table
 from ashe_live.bench.cube.scenes import APART_RAD, CAMERA, SETS, CubeSet, lamp, looking, sun
 from ashe_live.core.transforms import angle_between, camera_centre, direction_from_angles, project
 
@@ -30,6 +30,19 @@ def test_a_set_has_the_lights_and_folds_of_its_name(one: CubeSet) -> None:
         assert 25 <= math.degrees(math.acos(eye[2] / np.linalg.norm(eye))) <= 75
     assert one.followed == ("followed" in one.name or one.together)
     assert one.together == ("views" in one.name)
+
+
+def test_faces_are_folded_to_either_side_by_no_more_than_is_said() -> None:
+    rng, edge_m = np.random.default_rng(2), 0.05
+    drawn = [Folds.drawn(rng, edge_m, most_m=2e-3, most_deg=3.0) for _ in range(20)]
+    for values, most in (
+        (edge_m * np.array([each.shifts for each in drawn]), 2e-3),
+        (np.degrees([each.turns for each in drawn]), 3.0),
+    ):
+        for along in range(3):  # an axis
+            low, high = values[..., along].min(), values[..., along].max()
+            assert -most <= low < -0.9 * most
+            assert 0.9 * most < high <= most
 
 
 def test_a_camera_looks_at_the_cube_from_where_it_is_held_upright() -> None:
