@@ -25,6 +25,7 @@ from ashe_live.files.writing import (
     written_whole,
 )
 from tests.checkout import CHECKOUT
+from tests.open_files import needs_list_of_open_files, open_within
 from tests.windows_files import as_on_windows
 
 
@@ -216,16 +217,16 @@ def test_an_unnamed_file_that_cannot_be_given_a_name_is_said_and_gone(
     assert list(tmp_path.iterdir()) == []
 
 
+@needs_list_of_open_files
 def test_neither_writing_a_file_nor_looking_whether_it_can_be_leaves_anything_open(tmp_path: Path) -> None:
-    if not Path("/proc/self/fd").is_dir():
-        pytest.skip("no /proc on this system")
-    before = len(os.listdir("/proc/self/fd"))  # noqa: PTH208 - Path.iterdir would itself be one more
+    with NewFile(tmp_path / "a.txt"):
+        assert open_within(tmp_path)
     check_output(tmp_path / "a.txt", overwrite=False)
-    assert len(os.listdir("/proc/self/fd")) == before  # noqa: PTH208
+    assert open_within(tmp_path) == []
     assert list(tmp_path.iterdir()) == []
     for overwrite in (False, True):
         write(tmp_path / "a.txt", "whole", overwrite)
-    assert len(os.listdir("/proc/self/fd")) == before  # noqa: PTH208
+    assert open_within(tmp_path) == []
 
 
 def test_where_there_are_hard_links_no_name_is_reserved(

@@ -11,6 +11,7 @@ import pytest
 from ashe_live.errors import UserError
 from ashe_live.files import reading
 from ashe_live.files.reading import opened, read_bytes, read_json, read_text
+from tests.open_files import needs_list_of_open_files, open_within
 from tests.patience import PATIENCE_S
 
 
@@ -89,13 +90,15 @@ def test_a_pipe_that_takes_the_place_of_a_file_is_neither_waited_for_nor_read(
             os.close(os.open(tmp_path / "a", os.O_RDWR | os.O_NONBLOCK))  # lets go of one that waits for a writer
 
 
-@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="the system does not tell what is open")
+@needs_list_of_open_files
 def test_what_is_refused_is_closed_at_once(tmp_path: Path) -> None:
-    (tmp_path / "a").touch()
-    before = len(os.listdir("/proc/self/fd"))  # noqa: PTH208 - Path.iterdir would itself be one more
+    (tmp_path / "a").write_bytes(b"some")
+    with opened(tmp_path / "a"):
+        assert open_within(tmp_path) == [str(tmp_path / "a")]
+    (tmp_path / "a").write_bytes(b"")
     with pytest.raises(UserError, match="is empty") as caught:
         opened(tmp_path / "a")
-    assert len(os.listdir("/proc/self/fd")) == before, f"with {caught.value} at hand"  # noqa: PTH208
+    assert open_within(tmp_path) == [], f"with {caught.value} at hand"
 
 
 def test_a_disk_that_fails_meanwhile_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

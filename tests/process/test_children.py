@@ -6,9 +6,11 @@ import signal
 import subprocess
 import sys
 import sysconfig
+import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from itertools import count
+from multiprocessing import spawn
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
@@ -18,9 +20,9 @@ from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
 from ashe_live.process import awake, isolated
 from ashe_live.process.children import Limits, safe_module_path, started
-from ashe_live.process.isolated import NoAnswerError, isolated_call
+from ashe_live.process.isolated import NoAnswerError, _Alarm, isolated_call
 from tests.checkout import CHECKOUT
-from tests.patience import PATIENCE_S
+from tests.patience import PATIENCE_S, await_that
 
 FREE = Limits(niceness=0)
 POSIX_ONLY = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")
@@ -119,9 +121,10 @@ def test_a_program_that_does_not_guard_its_main_script_can_start_one(tmp_path):
 
 
 def test_nothing_is_left_behind_in_the_parents_environment():
-    before, path = dict(os.environ), list(sys.path)
+    before, path, prepare = dict(os.environ), list(sys.path), spawn.get_preparation_data
     isolated_call(os.getpid, (), "test", FREE, PATIENCE_S)
     assert dict(os.environ) == before
+    assert spawn.get_preparation_data is prepare, "what other processes are sent is their own affair"
     assert sys.path == path
     assert not [child for child in multiprocessing.active_children() if child.name == "test"]
 
@@ -143,6 +146,29 @@ def test_one_that_does_not_answer_is_killed():
     with pytest.raises(NoAnswerError, match=r"within 0\.5 s"):
         isolated_call(time.sleep, (PATIENCE_S,), "test", FREE, 0.5)
     assert not [child for child in multiprocessing.active_children() if child.name == "test"]
+
+
+def test_who_stops_an_alarm_waits_until_it_rings_no_more():
+    """Else it might kill a process of which nobody knows any more."""
+    rings, goes_on, done = threading.Event(), threading.Event(), []
+
+    def ring() -> None:
+        rings.set()
+        assert goes_on.wait(PATIENCE_S)
+        done.append(True)
+
+    alarm = _Alarm(0.0, ring)
+    assert rings.wait(PATIENCE_S)
+    stopping = threading.Thread(target=lambda: (alarm.stop(), done.append("stopped")))
+    stopping.start()
+    await_that(alarm._stopped.is_set)
+    goes_on.set()
+    stopping.join(PATIENCE_S)
+    assert done == [True, "stopped"]
+    assert alarm.has_rung
+    quiet = _Alarm(PATIENCE_S, ring)
+    quiet.stop()
+    assert not quiet.has_rung
 
 
 def test_one_is_not_killed_because_all_was_suspended_for_hours(monkeypatch):

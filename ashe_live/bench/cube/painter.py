@@ -231,8 +231,7 @@ def _print(bitmap: Image) -> Float32:
 def _developed(scene: CubeScene, light: Float32) -> Image:
     """sRGB of a camera that is exposed for white in the light of the open table, which it takes for white."""
     rng = np.random.default_rng(scene.seed + 1)
-    level = level_of(scene)
-    exposed = scene.exposure * light / level.mean() / (level / level.mean())
+    exposed = scene.exposure * light / level_of(scene)
     blurred = cv2.GaussianBlur(exposed.astype(np.float32), (0, 0), scene.blur_px)
     encoded = 255 * srgb_from_linear(blurred.clip(0, 1)) + rng.normal(0, scene.noise, light.shape)
     return np.ascontiguousarray((encoded + 0.5).clip(0, 255).astype(np.uint8)[..., ::-1])

@@ -145,7 +145,7 @@ class CaptureLoop:
 
     def _end_of_clip(self) -> None:
         self._publish(at=self.state.shown)
-        if self._wish.paused and self._clip is not None:  # stepped beyond the end
+        if self._wish.paused:  # stepped beyond the end
             return
         if self._wish.loop and not self._source.is_photo:
             self._flaw = self._source.note

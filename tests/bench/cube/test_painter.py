@@ -7,13 +7,14 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.cube.painted_scene import CubeScene, PaintedLight, hull_of
+from ashe_live.bench.cube.painted_scene import CubeScene, Folds, PaintedLight, hull_of
 from ashe_live.bench.cube.painter import PAPER, painted
 from ashe_live.bench.cube.scenes import SETS, looking, sun
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.transforms import image_from_plane, project
+from ashe_live.tracking.cube.faces import FACES
 
 CAMERA = Camera.from_hfov((320, 240), 60)
 EDGE_M = 0.06
@@ -42,6 +43,16 @@ def test_level_surfaces_have_their_reflectance_times_the_exposure() -> None:
     assert linear_at(image, (-0.12, 0.2, 0)) == pytest.approx(scene.exposure * TABLE_RGB, rel=0.03)
     # The white margin around the print of the top face.
     assert linear_at(image, (0.026, 0.026, EDGE_M)) == pytest.approx(scene.exposure * PAPER, rel=0.03)
+
+
+def test_between_faces_that_are_folded_apart_there_is_paper_and_no_table() -> None:
+    """A top that is lifted by a tenth of the edge: below it one sees neither through the cube nor past it."""
+    shifts = np.zeros((5, 3))
+    (top,) = (number for number, face in enumerate(FACES) if face.outwards[2] > 0)
+    shifts[top, 2] = 0.1
+    scene = dataclasses.replace(plain(sun(200, 40)), folds=Folds(shifts=shifts))
+    gap = (EDGE_M / 2, 0.0, 1.05 * EDGE_M)  # towards the camera
+    assert linear_at(painted(scene), gap) == pytest.approx(scene.exposure * PAPER, rel=0.03)
 
 
 def test_the_shadow_lies_where_the_hull_casts_it_and_has_the_skys_light() -> None:

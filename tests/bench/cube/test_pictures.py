@@ -20,6 +20,9 @@ from ashe_live.errors import UserError
 SKY = (0.2, 0.4, 0.8)
 EVEN = [[0.5 * c for c in SKY], [0.0] * 3, [0.0] * 3, [0.5 * c for c in SKY], *([[0.0] * 3] * 5)]  # (1 + n_z) / 2
 
+FROM_ABOVE = {"size": [640, 480], "K": [[500.0, 0, 320], [0, 500.0, 240], [0, 0, 1]], "t": [0.0, 0.0, 0.4],
+              "R": np.diag([1.0, -1.0, -1.0]).tolist()}  # fmt: skip
+
 
 def entry(**more: object) -> dict[str, object]:
     lamp = {"dir_to_light": [0.0, 0.6, 0.8], "irradiance_ground": [0.8, 0.6, 0.2],
@@ -48,16 +51,31 @@ def test_truth_is_in_units_of_all_light_on_level_ground(tmp_path: Path) -> None:
     assert math.isclose(picture.T_cam_cube[2, 3], 0.4)
 
 
+def test_a_sun_is_at_infinity_and_behind_the_camera_casts_no_shadow_that_it_sees(tmp_path: Path) -> None:
+    for high, is_seen in ((0.8, True), (0.02, True), (1.0, False)):
+        to_light = [0.0, math.sqrt(1 - high**2), high]
+        light = {"dir_to_light": to_light, "irradiance_ground": [1.0] * 3}
+        (found,) = traced_pictures([folder_of(tmp_path, entry(lights=[light], **FROM_ABOVE))])["lamp"]
+        picture = traced_picture(found)
+        assert picture.lights == pytest.approx(np.array([[*to_light, 0.0]]))
+        assert picture.shows_shadows == is_seen
+
+
+def test_a_picture_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path, entry())
+    (tmp_path / "one.png").write_bytes(b"no picture")
+    with pytest.raises(UserError, match=r"cannot read the picture one\.png: is it there"):
+        traced_picture(traced_pictures([folder])["lamp"][0])
+
+
 @pytest.mark.parametrize(("place", "is_seen"), [((0.0, 0.3, 0.4), True), ((0.0, 0.0, 0.5), False)])
 def test_a_cube_hides_its_shadow_from_a_camera_beside_the_lamp(
     tmp_path: Path, place: tuple[float, ...], is_seen: bool
 ) -> None:
     """Whatever else casts shadows in the picture."""
     lamp = {"dir_to_light": [0.0, 0.0, 1.0], "irradiance_ground": [1.0] * 3, "lamp": {"position_m": list(place)}}
-    from_above = {"size": [640, 480], "K": [[500.0, 0, 320], [0, 500.0, 240], [0, 0, 1]], "t": [0.0, 0.0, 0.4],
-                  "R": np.diag([1.0, -1.0, -1.0]).tolist()}  # fmt: skip
     seen = {"object_px": 9000, "shadow_px": 9000}
-    folder = folder_of(tmp_path, entry(lights=[lamp], visibility=seen, **from_above))
+    folder = folder_of(tmp_path, entry(lights=[lamp], visibility=seen, **FROM_ABOVE))
     (found,) = traced_pictures([folder])["lamp"]
     assert traced_picture(found).shows_shadows == is_seen
 

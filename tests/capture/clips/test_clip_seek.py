@@ -12,6 +12,7 @@ from av.video.frame import VideoFrame
 
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.index import ClipIndex
+from ashe_live.capture.clips.pictures import ClipPictures
 from ashe_live.capture.container import Searched
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
@@ -112,6 +113,8 @@ def test_of_clips_that_were_joined_byte_by_byte(film, tmp_path: Path, shift_ms: 
     parts = [film([time + shift for time in EVEN], f"{shift}.ts", bf="2", g="12") for shift in (2000, 2000 + shift_ms)]
     joined = tmp_path / "joined.ts"
     joined.write_bytes(b"".join(part.read_bytes() for part in parts))
+    with joined.open("rb") as file:
+        assert ClipIndex.read(file) is None
     times_s = [frame.time_s for frame in frames_of(joined)]
     np.testing.assert_allclose(times_s, 0.04 * np.arange(2 * COUNT), atol=1e-6)
     assert_seeks_right(joined, 2 * COUNT)
@@ -236,6 +239,9 @@ def test_a_jump_decodes_from_the_keyframe_before_it_alone(film, monkeypatch, nam
                 source.seek_frame(place)
             assert len(passed) <= place % 12 + 1
             assert_same(source.read(), frames[place])
+        for place in (60, 35, 12):  # by time as well, also where decoding begins with the very frame
+            source.seek(frames[place].time_s)
+            assert_same(source.read(), frames[place])
 
 
 def test_an_index_that_is_wrong_is_not_believed(film, monkeypatch) -> None:
@@ -309,6 +315,8 @@ def test_a_length_that_is_not_stated_is_that_of_what_was_read(film, name: str) -
         path.write_bytes(2 * path.read_bytes())
     with ClipSource(path) as source:
         at_first_s = source.duration_s
+        assert source.read() is not None
+        assert source.duration_s == at_first_s
         *_, last = source
         assert at_first_s is None or at_first_s < 0.6 * last.time_s
         assert source.duration_s == pytest.approx(last.time_s)
@@ -321,11 +329,25 @@ def test_the_duration_is_known_before_the_end(film, name: str) -> None:
     """Wherever the first picture is, from which Matroska's header does not count."""
     with ClipSource(film([time + 7000 for time in EVEN], name, bf="2")) as source:
         assert source.duration_s == pytest.approx(EVEN[-1] / 1000, abs=0.005)
-        assert len(list(source)) == COUNT
+        assert source.read() is not None
+        assert source.duration_s == pytest.approx(EVEN[-1] / 1000, abs=0.005), "however little of it was read"
+        assert len(list(source)) == COUNT - 1
         assert source.note is None
         source.seek(1.0)
         source.rewind()
         assert source.duration_s == pytest.approx(EVEN[-1] / 1000, abs=1e-6)
+
+
+def test_a_stated_length_is_believed_until_the_frames_are_listed_and_no_more_after_that(film, monkeypatch) -> None:
+    """As of a clip with more sound than pictures, which is played again and again."""
+    path = film(EVEN, g="12")
+    monkeypatch.setattr(ClipPictures, "stated_duration_s", lambda _pictures: 100.0)
+    with ClipSource(path) as source:
+        assert source.duration_s == 100.0
+        source.seek(1.0)
+        assert source.duration_s == pytest.approx(EVEN[-1] / 1000)
+        source.rewind()
+        assert source.duration_s == pytest.approx(EVEN[-1] / 1000)
 
 
 @pytest.mark.skipif(not REAL.is_dir(), reason="no shared/real beside the checkout")

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from ashe_live.capture.recording import fragments as fragments_module
-from ashe_live.capture.recording.fragments import IN_THE_MAKING, made_playable
+from ashe_live.capture.recording.fragments import IN_THE_MAKING, copy_whole_fragments, made_playable
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.recording.transparent import TransparentRecorder
 from ashe_live.core.arrays import Image
@@ -205,6 +205,28 @@ def test_full_disk_saves_what_was_recorded(tmp_path: Path) -> None:
         assert len(list(clip.decode(video=0))) >= 4, "to its end, without an error"
 
 
+@pytest.mark.parametrize("kind", [Recorder, TransparentRecorder])
+def test_a_disk_that_is_full_already_is_said_before_anything_is_recorded(
+    tmp_path: Path, kind: type[Recorder | TransparentRecorder]
+) -> None:
+    """By the one that writes its header at once, or with the first picture."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10, hard))
+    try:
+        if kind is Recorder:
+            with pytest.raises(UserError, match="cannot write"):
+                Recorder(tmp_path / "a.mp4", (96, 64), 30)
+        else:
+            with (
+                pytest.raises(UserError, match="cannot write"),
+                TransparentRecorder(tmp_path / "a.mov", (96, 64), 30) as it,
+            ):
+                it.write(np.full((64, 96, 4), 255, np.uint8), 0.0)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize("most_bytes", [3_000, 12_000, 30_000])
 def test_a_disk_that_is_full_at_closing_is_said(tmp_path: Path, most_bytes: int) -> None:
     """All pictures still are in the encoder, or in the fragment that closing would write."""
@@ -241,6 +263,25 @@ def test_a_copy_that_is_not_whole_is_not_trusted(
             recorder.write(picture(i), i / 30)
     assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
     assert len(frames_of(tmp_path / "a.mp4")) == 70
+
+
+def test_what_a_disk_has_lost_without_a_word_is_said(
+    tmp_path: Path, picture: Draw, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of the fragments themselves: what is left of them is kept."""
+
+    def lose(fragments: BinaryIO, _clip: BinaryIO, _pictures: int) -> None:
+        fragments.truncate(fragments.seek(0, 2) * 3 // 4)
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(fragments_module, "with_index_first", lose)
+    recorder = Recorder(tmp_path / "a.mp4", (96, 64), 10)
+    for i in range(70):
+        recorder.write(picture(i), i / 10)
+    with pytest.raises(UserError, match=r"not all of it could be written.*the first part .* is saved as .*a\.mp4"):
+        recorder.close()
+    assert list(tmp_path.iterdir()) == [recorder.path]
+    assert 20 <= len(frames_of(recorder.path)) < 70
 
 
 @pytest.mark.parametrize("kind", [Recorder, TransparentRecorder])
@@ -367,6 +408,13 @@ def test_wherever_it_breaks_off_the_whole_fragments_can_be_played(
     last = [at for at, of_kind in boxes(fragments) if of_kind == kind][-1]
     broken = tmp_path / "broken.mp4"
     broken.write_bytes(fragments[: last + further])
+    with broken.open("rb") as file, (tmp_path / "copy.mp4").open("wb") as copy:
+        copy_whole_fragments(file, copy)
+    # Half a fragment's header hides what comes before it; half of its pictures do not.
+    at, broken_off = [box for box in boxes(fragments) if box[0] <= last + further][-1]
+    whole = last + further if broken_off == b"mdat" and last + further >= at + 8 else at
+    assert (tmp_path / "copy.mp4").read_bytes() == fragments[:whole]
+    assert len(frames_of(tmp_path / "copy.mp4")) >= 60
     with broken.open("r+b") as file:
         assert made_playable(file)
     with av.open(str(broken)) as clip:

@@ -110,6 +110,9 @@ def test_a_full_disk_is_said_and_leaves_nothing(tmp_path: Path, monkeypatch: pyt
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(recorder._written, "check", full)
-    with pytest.raises(UserError, match="No space left"), recorder:
-        recorder.write(picture(), 0.0)
+    with recorder:
+        with pytest.raises(UserError, match="No space left"):
+            recorder.write(picture(), 0.0)
+        assert list(tmp_path.iterdir()) == [], "at once"
+    assert recorder.frame_count == 0
     assert list(tmp_path.iterdir()) == []

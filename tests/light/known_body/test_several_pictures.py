@@ -19,9 +19,13 @@ from ashe_live.light.known_body.outline.confirmed import confirmed
 from ashe_live.light.known_body.outline.fit import ShadowFit, fitted
 from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.outline.profiles import EdgeImages
+from ashe_live.light.known_body.pictures import merged as merged_module
+from ashe_live.light.known_body.pictures import shots as shots_module
 from ashe_live.light.known_body.pictures.merged import merged_facets, merged_table
-from ashe_live.light.known_body.pictures.shots import Shot, _gain, shots_of
+from ashe_live.light.known_body.pictures.shots import BLACK, Shot, shots_of
 from ashe_live.light.known_body.seen import Seen
+from ashe_live.light.known_body.sides.facets import Facets
+from ashe_live.light.known_body.table import LEAST_CELLS, SIDE, TableMap
 from ashe_live.light.pixels.view import View
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.preset import BALANCED
@@ -242,13 +246,59 @@ def test_a_preset_of_fewer_views_uses_as_many_of_a_cube(around: list[TrackedFram
         assert len(estimate.views) == views
 
 
-def test_a_picture_of_another_part_of_the_table_is_left_out() -> None:
-    near, far = from_sides([ASIDE], (0, 20))
-    several, _ = shots([near, far])
-    assert len(several) == 2
-    elsewhere = replace(several[1].table, seen=several[1].table.seen & ~several[0].table.seen)
-    assert _gain(several[0].table, elsewhere) is None
-    assert _gain(several[0].table, None) is None
+def table_of(light: float, *rows: int) -> TableMap:
+    """As bright throughout, and seen in these rows."""
+    seen = np.zeros((SIDE, SIDE), bool)
+    seen[slice(*rows)] = True
+    return TableMap(np.full((SIDE, SIDE, 3), light, np.float32), seen)
+
+
+def test_a_picture_that_shows_too_little_of_the_firsts_table_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    (frame,) = tracked(from_sides([ASIDE], [0]))
+    body, view, rows = frame.pose.body, View.of(frame, 640), -(-LEAST_CELLS // SIDE)
+    assert body is not None
+
+    def gains(*tables: TableMap | None) -> list[list[float]]:
+        given = iter(tables)
+        monkeypatch.setattr(shots_module, "table_around", lambda *_: next(given))
+        return [shot.gain.tolist() for shot in shots_of([(view, None)] * len(tables), body)]
+
+    first = table_of(0.4, 0, 2 * rows)
+    beside, beyond = table_of(0.2, rows, 9 * rows), table_of(0.2, 2 * rows - 1, 9 * rows)
+    assert gains(first, beyond, None, beside) == [[1.0] * 3, pytest.approx([2.0] * 3)]
+    assert gains(None, first, beside) == [], "all is in the exposure of the first"
+    assert gains(first, table_of(0.0, 0, 2 * rows)) == [[1.0] * 3, pytest.approx([0.4 / BLACK] * 3)]
+
+
+def test_of_each_facet_the_picture_counts_that_shows_it_best(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The level one's is that by whose ink its light is known best; of others the broadest that is not overexposed."""
+    (frame,) = tracked(from_sides([ASIDE], [0]))
+    normals = np.array([(0.0, 0, 1), (1, 0, 0), (0, 1, 0)])
+    (shot,) = shots_of([(View.of(frame, 640), None)], frame.pose.body)
+
+    def facets(light: float, clipped: list[bool], width_px: list[float], level_sigma: float) -> Facets:
+        light_rgb = np.full((3, 3), light)
+        return Facets(normals, light_rgb, light * normals, np.array(clipped), np.array(width_px), level_sigma)
+
+    given = [facets(1.0, [True, False, True], [90, 60, 90], 0.2), facets(3.0, [True, False, False], [50, 20, 10], 0.1)]
+    coming = iter(given)
+    monkeypatch.setattr(merged_module, "facets_of", lambda *_: next(coming))
+    gain = np.array((1.0, 2.0, 3.0))
+    found = merged_facets([shot, replace(shot, gain=gain)], frame.pose.body)
+    at = [int(np.flatnonzero((found.normals == normal).all(axis=1)).item()) for normal in normals]
+    level, broad, exposed = at
+    assert found.light_rgb[[level, broad, exposed]] == pytest.approx(np.array([3 * gain, np.ones(3), 3 * gain]))
+    assert found.centres[at] == pytest.approx(normals * np.array([[3.0], [1.0], [3.0]]))
+    assert found.is_clipped[at].tolist() == [True, False, False]
+    assert found.width_px[at].tolist() == [50, 60, 10]
+    assert found.level_sigma == 0.1
+    without_level = [
+        replace(each, **{name: getattr(each, name)[1:] for name in ("normals", "light_rgb", "centres", "is_clipped")},
+                width_px=each.width_px[1:])
+        for each in given
+    ]  # fmt: skip
+    coming = iter(without_level)
+    assert merged_facets([shot, shot], frame.pose.body).level_sigma == math.inf
 
 
 @pytest.mark.parametrize("odd", [1, 2, 3])

@@ -51,6 +51,8 @@ def error_deg(answer: HeldAnswer, truth) -> float:
     [
         (light(SUN, depth=0.3), light(SUN, depth=0.42), True),
         (light(SUN, depth=0.3), light(SUN, depth=0.5), False),
+        (light(SUN, depth=0.0), light(SUN, depth=4e-4), True),  # both are black
+        (light(SUN, depth=0.0), light(SUN, depth=0.05), False),
         (light(SUN, 0.1), light(turned(SUN, 5, 0), 0.1), True),  # masks change from frame to frame
         (light(SUN, 0.1), light(turned(SUN, 9, 0), 0.1), False),
         (light(SUN, 0.1), light(turned(SUN, 9, 0), 3.0), True),  # of which one is as vague

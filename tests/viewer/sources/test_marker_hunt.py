@@ -2,12 +2,20 @@
 
 from collections.abc import Callable
 from concurrent.futures import Future
+from dataclasses import replace
 
+import cv2
+import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Image
+from ashe_live.core.camera import Camera
+from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
+from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.viewer.sources import marker_hunt
 from ashe_live.viewer.sources.marker_hunt import EVERY_S, Looked, MarkerHunt
+from tests.patience import await_that
 
 SEVEN, FIVE = "aruco:4x4_50:7", "apriltag:36h11:5"
 
@@ -131,3 +139,27 @@ def test_a_search_that_fails_has_found_nothing(begun, away):
     begun[0].set_exception(UserError("no memory", "close other programs"))
     assert not hunt.look(away, 0.1)
     assert hunt.take_answer() == ()
+
+
+def paper(*specs: str, is_mirrored: bool = False) -> Image:
+    """A sheet with prints side by side."""
+    prints = [
+        cv2.copyMakeBorder(parse_marker(spec).bitmap(120), *[40] * 4, cv2.BORDER_CONSTANT, value=230) for spec in specs
+    ]
+    sheet = np.hstack(prints)
+    return cv2.cvtColor(np.ascontiguousarray(sheet[:, ::-1] if is_mirrored else sheet), cv2.COLOR_GRAY2BGR)
+
+
+def test_those_in_a_picture_are_found_and_those_in_mirror_image_where_there_are_no_others(away):
+    hunt = MarkerHunt()
+    plain, mirrored = paper(SEVEN), paper(FIVE, is_mirrored=True)
+    for at, (image, found, seen_mirrored) in enumerate([
+        (plain, (SEVEN,), ()),
+        (mirrored, (), (FIVE,)),
+        (np.hstack([mirrored, plain]), (SEVEN,), ()),
+    ]):  # fmt: skip
+        tracked = replace(away, frame=Frame(image, at, 0.0), camera=Camera.from_hfov(image.shape[1::-1], 60))
+        hunt.look(tracked, at * EVERY_S)
+        await_that(lambda looking=hunt._looking: looking.done())
+        assert hunt.look(tracked, at * EVERY_S) == bool(found)
+        assert (hunt.in_view, hunt.mirrored) == (found, seen_mirrored)

@@ -34,7 +34,7 @@ def shots_of(several: Sequence[tuple[View, PoseShapeErrors | None]], body: Proxy
     for view, errors in several:
         picture = linear_picture(view)
         table = table_around(view, body, picture)
-        gain = _gain(shots[0].table if shots else None, table)
+        gain = None if table is None else _gain(shots[0].table if shots else table, table)
         if table is not None and gain is not None:
             shots.append(Shot(view, errors, picture, table, gain))
         elif not shots:
@@ -42,13 +42,10 @@ def shots_of(several: Sequence[tuple[View, PoseShapeErrors | None]], body: Proxy
     return shots
 
 
-def _gain(first: TableMap | None, table: TableMap | None) -> Float | None:
-    """(3,) light R, G, B in the exposure of the first map, if there is one, over that in another's.
-
-    None where there is no map, and where too little of the table is in both.
+def _gain(first: TableMap, table: TableMap) -> Float | None:
+    """(3,) light R, G, B in the exposure of the first map over that in another's; None where both have too little of
+    the table in common.
     """
-    if table is None or first is None:
-        return None if table is None else np.ones(3)
     both = first.seen & table.seen
     if np.count_nonzero(both) < LEAST_CELLS:
         return None
