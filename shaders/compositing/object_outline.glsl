@@ -11,9 +11,16 @@ uniform sampler2D silhouette;  // as compositing/silhouette.frag draws it
 // To be normalised, of means on either side, and of the composite's blur together with the outline's error.
 uniform float outline_means[OUTLINE_REACH + 1];
 uniform float outline_bounds[OUTLINE_REACH + 1];
-const int LOOKS = 5;
-uniform vec2 looks_px[LOOKS];  // from a pixel to where the video is looked at on either side, across and along the outline
+uniform float outline_sigma_px;  // of outline_bounds
+const int LOOKS = 8;
+const int NEAR_LOOKS = 2;  // the first of them
+// From the drawn outline to where the video is looked at on either side, across and along it. From there and without gaps,
+// what is seen is the same across the outline and changes slowly along it. From each pixel, and with gaps, grain decided
+// anew in each whether the sides are even, and left specks and teeth.
+uniform vec2 looks_px[LOOKS];
 const vec2 EVEN_SIDES = vec2(0.06, 0.18);  // deviation of what is seen there, of both sides' difference, up to which they are even, and from which on not
+// Of that difference, change of a side with the distance from the outline, from which on, and up to which, it has a rim.
+const vec2 RIM = vec2(0.3, 0.8);
 uniform float border_step_px;  // of the video, in pixels of the viewport
 // Of both sides' difference, by how much a pixel, or what is near the outline, may be brighter or darker than both sides,
 // as a sharpened border is, and from how much on there is something else: a rim of the object, or what stands there.
@@ -67,17 +74,23 @@ AcrossOutline across_outline(vec2 middle, vec2 at, vec3 seen) {
     }
     bool is_at = min(sides.bound_behind, sides.bound_object) > 1e-5;
     vec2 outwards = sides.outwards / max(length(sides.outwards), 1e-6);
-    // Of the video, behind the object and on it: near the outline, and sums over what is farther from it.
-    vec2 near = vec2(-1.0), far = vec2(0.0), squares = vec2(0.0), count = vec2(0.0);
+    float bound = sides.bound_behind / max(sides.bound_behind + sides.bound_object, 1e-9);
+    // By how far the pixel is outside of the drawn outline. A logistic curve is all but the integral of a Gaussian.
+    float outside_px = outline_sigma_px / 1.702 * log(max(bound, 1e-3) / max(1.0 - bound, 1e-3));
+    vec2 outline = -clamp(outside_px, -float(OUTLINE_REACH), float(OUTLINE_REACH)) * outwards;
+    vec2 sideways = vec2(-outwards.y, outwards.x);
+    // Of the video, behind the object and on it: sums near the outline, and over what is farther from it.
+    vec2 near = vec2(0.0), near_count = vec2(0.0), far = vec2(0.0), squares = vec2(0.0), count = vec2(0.0);
     for (int look = 0; look < 2 * LOOKS; ++look) {
         bool is_behind = look < LOOKS;
         vec2 place = looks_px[look % LOOKS];
-        vec2 aside = place.x * (is_behind ? outwards : -outwards) + place.y * vec2(-outwards.y, outwards.x);
+        vec2 aside = outline + place.x * (is_behind ? outwards : -outwards) + place.y * sideways;
         float object = textureLod(silhouette, (middle + aside) / vec2(textureSize(silhouette, 0)), 0.0).r;
         float brightness = brightness_at(at + aside / viewport.zw);
         vec2 counted = is_behind ? vec2(object < 0.5, 0.0) : vec2(0.0, object > 0.5);
-        if (look % LOOKS == 0) {
-            near = mix(near, vec2(brightness), counted);
+        if (look % LOOKS < NEAR_LOOKS) {
+            near += brightness * counted;
+            near_count += counted;
         } else {
             far += brightness * counted;
             squares += brightness * brightness * counted;
@@ -86,14 +99,15 @@ AcrossOutline across_outline(vec2 middle, vec2 at, vec3 seen) {
     }
     float share = 0.5, matters = 0.0;
     float level_behind = 1.0, level_object = 1.0;
-    float bound = sides.bound_behind / max(sides.bound_behind + sides.bound_object, 1e-9);
     if (min(count.x, count.y) > 0.0) {
         far /= count;
         vec2 deviations = sqrt(max(squares / count - far * far, 0.0));
         float even = 1.0 - smoothstep(EVEN_SIDES.x, EVEN_SIDES.y, max(deviations.x, deviations.y) / max(abs(far.x - far.y), 1e-4));
         // What is less like the other side is farther from the border's blur.
         bool is_object_dark = far.x > far.y;
-        near = mix(near, far, lessThan(near, vec2(0.0)));
+        near = mix(near / max(near_count, 1.0), far, equal(near_count, vec2(0.0)));
+        vec2 changes = abs(near - far) / max(abs(far.x - far.y), 1e-4);
+        even *= 1.0 - smoothstep(RIM.x, RIM.y, max(changes.x, changes.y));
         vec2 both = vec2(min(far.x, far.y), max(far.x, far.y));
         vec3 here = vec3(near, dot(seen, LUMINANCE));
         vec3 beyond = abs(here - clamp(here, both.x, both.y));

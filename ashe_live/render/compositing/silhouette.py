@@ -19,8 +19,12 @@ from ashe_live.render.passes.real_object import RealObject
 OUTLINE_ERROR_PX = 1.5  # pixels of the video, standard deviation of a drawn outline's distance from the object's
 MEANS_VARIANCE_PX2 = 0.7  # pixels of the video; means on either side reach farther than the blur of a sharp video does
 MOST_REACH = 6  # pixels of the framebuffer
-# Pixels of the video, where what is on either side is looked at: beyond twice the blur, and along the outline.
-LOOKS_PX = ((1.5, 0.0), *((4.0, along) for along in (-4.5, -1.5, 1.5, 4.5)))
+# Pixels of the video from the outline, where what is on either side is looked at: beyond twice the blur, and along the
+# outline, where each look is interpolated and they leave no pixel out. The first two are near it.
+LOOKS_PX = (
+    *((1.5, along) for along in (-0.75, 0.75)),
+    *((4.0, along) for along in (-4.0, -2.4, -0.8, 0.8, 2.4, 4.0)),
+)
 
 
 class OutlineReach(NamedTuple):
@@ -35,7 +39,7 @@ class OutlineReach(NamedTuple):
 
     @property
     def looks_px(self) -> Float:
-        """(n, 2) from a pixel to where the video is looked at, across the outline and along it."""
+        """(n, 2) from the outline to where the video is looked at, across the outline and along it."""
         return np.asarray(self.scale * np.array(LOOKS_PX) + (2 * math.sqrt(self.variance), 0.0))
 
     @property
@@ -50,6 +54,7 @@ class OutlineReach(NamedTuple):
         return {
             "outline_means": _gaussian(at, max(self.variance, self.scale**2 * MEANS_VARIANCE_PX2)),
             "outline_bounds": _gaussian(at, bound),
+            "outline_sigma_px": math.sqrt(bound),
             "looks_px": self.looks_px,
             "border_step_px": self.scale,
         }

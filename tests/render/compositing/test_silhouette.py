@@ -104,6 +104,53 @@ def test_there_is_no_sliver_beside_an_object_whose_outline_is_a_pixel_off(
     assert np.percentile(np.abs(off), 99) < 10
 
 
+def _edge_px(make_renderer, stage, bare: TrackedFrame, levels: np.ndarray, matches: bool = True) -> Float:
+    """(rows,) the column in which POST, with these levels in the video, ends to the right before a model."""
+    video = _video(bare, levels.clip(0, 255))
+    # Behind all of the object in the picture, and black, so that what is left of the video tells how far that reaches.
+    wall = box((0.3, 0.01, 0.3), BLACK).moved(1.0, np.array([-0.09, 0.0, 0.0]))
+    renderer = make_renderer(replace(BALANCED.render, matches_noise=False, matches_outline=matches))
+    picture = stage.picture(renderer, Scene(video, stage.placed(wall), Illumination(real_object=POST)))
+    corners = project(bare.camera, bare.pose.T_cam_marker, [(-0.08, -0.008, z) for z in (0.008, 0.046)])
+    (column, low), (_, high) = np.round(corners).astype(int)
+    beside = slice(high, low), slice(column - 6, column + 7)
+    drawn, seen = (LINEAR_FROM_SRGB_8BIT[image[(*beside, 1)]] for image in (picture, video.frame.image_bgr))
+    return np.asarray((drawn / seen).clip(0, 1).sum(axis=1) + column - 6)
+
+
+def _teeth_px(edge: Float) -> float:
+    """RMS of how far an edge in one row is from where it is in the rows above and below."""
+    return float(np.sqrt(np.mean((edge[1:-1] - (edge[:-2] + edge[2:]) / 2) ** 2)))
+
+
+@pytest.mark.parametrize(("grain", "most_px"), [(5.0, 0.13), (8.0, 0.18)])
+def test_a_straight_outline_between_grainy_surfaces_has_no_teeth(
+    make_renderer, stage, grain: float, most_px: float
+) -> None:
+    """As each pixel's own few looks say, it would be the video's in one pixel and the body's in the next.
+
+    `grain`: of object and ground, the deviation in levels.
+    """
+    bare = _sheet(stage, blur=0.6)
+    squares = []
+    for off_px in (-1.5, 0.0, 1.5):
+        covered = _covered(bare.camera, bare.pose.T_cam_marker, 0.6, off_px)
+        levels = _with_object(bare.frame.image_bgr, covered, 0.6)
+        for seed in range(5):
+            noise = cv2.GaussianBlur(np.random.default_rng(seed).normal(0, 1, covered.shape), (0, 0), 0.7)
+            edge = _edge_px(make_renderer, stage, bare, levels + grain * noise / noise.std())
+            squares.append(_teeth_px(edge) ** 2)
+    assert np.sqrt(np.mean(squares)) < most_px
+
+
+def test_an_object_with_a_rim_as_bright_as_the_ground_ends_where_its_body_does(make_renderer, stage) -> None:
+    """The border within it, between its rim and what is darker, is not its outline."""
+    bare = _sheet(stage, blur=0.6)
+    levels = _with_object(bare.frame.image_bgr, _covered(bare.camera, bare.pose.T_cam_marker, 0.6, -4.0), 0.03)
+    matched, drawn = (_edge_px(make_renderer, stage, bare, levels, matches) for matches in (True, False))
+    assert np.abs(matched - drawn).max() < 0.2
+
+
 def test_an_object_as_bright_as_the_ground_has_the_outline_that_is_drawn(make_renderer, stage) -> None:
     """Its outline cannot be told in the video: the picture is as good as without looking for it."""
     matched, drawn = (
