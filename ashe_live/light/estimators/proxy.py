@@ -185,7 +185,7 @@ def _answer_by(
     reason = _reason_for_none(first, choice, judge, preset)
     if choice is None or reason is not None:
         likeliest = None if choice is None else choice.explanation
-        return _Answer(first, likeliest, reason=fault_of_exposure(first.trace.view) or reason)
+        return _Answer(first, likeliest, reason=fault_of_exposure(first.trace.view, first.trace.unlit) or reason)
     illumination, explanation = illumination_of(choice, tracked, judge, preset)
     clock.end("judge")
     if (illumination.lights[0].confidence or 0.0) < judge.least_confidence:

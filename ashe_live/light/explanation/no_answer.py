@@ -3,9 +3,11 @@
 import cv2
 import numpy as np
 
+from ashe_live.core.arrays import Mask
 from ashe_live.core.transforms import project
 from ashe_live.light.explanation.explain import END_IN_VIEW
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.pixels.sheet import Sheet
 from ashe_live.light.pixels.view import View
 
 TOO_LITTLE_GROUND = "too little lit ground around the marker"
@@ -32,13 +34,17 @@ MOST_DARK, MOST_CLIPPED = 0.5, 0.5  # fractions of the ground, beyond which the 
 # Paper that is at least this light shows that the exposure is right. The marker's margin is white, but may be no more
 # than the lightest twentieth of its sheet.
 PAPER, PAPER_PERCENTILE = 4 * DARK, 95
+STANDS_OUT = 0.1  # of an overexposed page: where less of it does, something else is at fault
 MARGIN_PERCENTILE = 75  # of the marker's sheet, half of which is black: a value of its white margin
 HARDLY = 0.1  # of its object's area: a shadow that is smaller is hidden behind the object, or none
 LEAST_CUT_OFF = 0.1  # least confidence of an explanation whose shadow is said to leave the picture
 
 
-def fault_of_exposure(view: View) -> str | None:
-    """What is wrong with the picture's brightness, as the ground shows it; None if nothing is."""
+def fault_of_exposure(view: View, unlit: Mask | None = None) -> str | None:
+    """What is wrong with the picture's brightness, as the ground shows it; None if nothing is.
+
+    unlit: (h, w) what stands out from the lit ground.
+    """
     view = view.taken or view
     blue, green, red = cv2.split(view.image_bgr)
     brightest = cv2.max(cv2.max(blue, green), red)
@@ -49,19 +55,26 @@ def fault_of_exposure(view: View) -> str | None:
         return BLACK_GROUND if _sheet_at(view, PAPER_PERCENTILE) >= PAPER else TOO_DARK
     if counts[CLIPPED:].sum() > MOST_CLIPPED * total:
         return TOO_BRIGHT
-    # A page is given the ground's colour by the ratio of both at its rim, which overexposed paper does not show.
-    return PAGE_TOO_BRIGHT if view.page is not None and _sheet_at(view, MARGIN_PERCENTILE) >= CLIPPED else None
+    # A page is given the ground's colour by the ratio of both at its rim, which overexposed paper may not show.
+    if view.page is None or unlit is None or _sheet_at(view, MARGIN_PERCENTILE) < CLIPPED:
+        return None
+    on_page = _covered_by(Sheet(*view.page.ends), view) & ~_covered_by(view.sheet, view)
+    return PAGE_TOO_BRIGHT if on_page.any() and unlit[on_page].mean() > STANDS_OUT else None
 
 
 def _sheet_at(view: View, percentile: float) -> float:
     """This percentile of the brightest channel of the marker's own sheet, 0 to 255; 0 where none of it is seen."""
-    outline = project(view.camera, view.T_cam_marker, view.sheet.corners(view.side_m))
-    if not np.isfinite(outline).all():
-        return 0.0
-    inside = np.zeros(view.is_ground.shape, np.uint8)
-    cv2.fillConvexPoly(inside, np.round(outline.clip(-1e4, 1e4)).astype(np.int32), 1)
-    on_sheet = view.image_bgr[inside > 0].max(axis=-1)
+    on_sheet = view.image_bgr[_covered_by(view.sheet, view)].max(axis=-1)
     return float(np.percentile(on_sheet, percentile)) if len(on_sheet) else 0.0
+
+
+def _covered_by(sheet: Sheet, view: View) -> Mask:
+    """(h, w) the pixels that a sheet around the marker covers; none where a part of it is behind the camera."""
+    inside = np.zeros(view.is_ground.shape, np.uint8)
+    outline = project(view.camera, view.T_cam_marker, sheet.corners(view.side_m))
+    if np.isfinite(outline).all():
+        cv2.fillConvexPoly(inside, np.round(outline.clip(-1e4, 1e4)).astype(np.int32), 1)
+    return inside > 0
 
 
 def fault_of_scene(explanation: Explanation, confidence: float) -> str:

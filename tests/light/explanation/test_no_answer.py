@@ -15,6 +15,7 @@ from ashe_live.light.explanation.no_answer import (
     DOES_NOT_FIT,
     HARDLY_A_SHADOW,
     NOTHING_THERE,
+    PAGE_TOO_BRIGHT,
     TOO_BRIGHT,
     TOO_DARK,
     fault_of_exposure,
@@ -24,6 +25,7 @@ from ashe_live.light.pixels.view import View
 from tests.light.painted_bodies import alignment_of, explanation_of
 from tests.light.painted_regions import painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, HFOV_DEG, VIEW, Caster, Painted, paint, tracked_frame
+from tests.light.synthetic_masks import camera_towards
 
 SMALL = (320, 240)
 
@@ -56,6 +58,19 @@ def test_only_the_ground_and_its_brightest_channel_determine_the_exposure() -> N
     assert fault(np.full_like(blue, 255)) == TOO_BRIGHT
     blue[: SMALL[1] // 4] = 255  # a bright window is not the table
     assert fault(blue) is None
+
+
+def test_an_overexposed_page_is_blamed_only_where_it_stands_out() -> None:
+    page_m = (0.105, 0.126, 0.105, 0.171)
+    above = camera_towards((0.0, -0.02), 0.62, 55.0)
+    for exposure, is_blamed in ((0.9, False), (1.6, True)):
+        scene = paint(BOX, T_cam_marker=above, page_m=page_m, exposure=exposure)
+        view = View.of(scene.tracked, 640).with_paper_as_ground()
+        assert view.page is not None
+        fault = fault_of_exposure(view, scene.sheet)
+        assert (fault == PAGE_TOO_BRIGHT) == is_blamed
+        assert fault_of_exposure(view, scene.body | scene.shadow) is None
+        assert fault_of_exposure(view) is None
 
 
 def test_a_picture_without_ground_is_not_blamed_for_its_exposure() -> None:
