@@ -12,6 +12,7 @@ from ashe_live.core.colour import REC709_LUMINANCE
 # Names that end in SIDES are lengths in sides of the marker.
 LEAST_HALF_SIDES = 0.5 + 0.1  # of the square and a margin, used where paper cannot be told from the ground
 MOST_HALF_SIDES = 2.3  # from the marker's middle; the corners of an A4 page with a marker of 8 cm are within it
+PAGE_HALF_SIDES = 1.1  # what reaches farther is a page, whose unseen end may be anywhere
 RING_SIDES = (0.55, 0.6)  # distances from the marker's middle between which there is paper
 SAME_LOG = 0.35  # largest difference of paper from that ring, in logarithms of linear RGB
 CONVEX = 0.85  # least share of its convex hull that a sheet fills
@@ -82,7 +83,8 @@ def _rectangle(unlike: Float32, of_paper: float, side_px: float) -> Mask:
     """(n, n) the rectangle that ends where most lines outwards leave the paper; empty if none of its sides is seen.
 
     unlike: (n, n) difference from the paper, 0 where no ground is seen; of_paper: the paper's own. A side that is not
-    seen is taken to be as far away as the others.
+    seen is taken to be as far away as the others. Empty, too, for a page that does not end on all sides: a half of it
+    would be covered.
     """
     n = len(unlike)
     across = [_lines_across(np.rot90(unlike, -turns), side_px) for turns in range(4)]  # right, above, left, below
@@ -92,7 +94,8 @@ def _rectangle(unlike: Float32, of_paper: float, side_px: float) -> Mask:
             ends = [_faint_end(lines, of_paper, length, side_px) for lines in across]
     known = [end for end in ends if end is not None]
     mask = np.zeros(unlike.shape, np.bool_)
-    if known:
+    is_open_page = len(known) < len(ends) and max(known, default=0) > (PAGE_HALF_SIDES - RING_SIDES[1]) * side_px
+    if known and not is_open_page:
         first, usual = n // 2 + round(RING_SIDES[1] * side_px), round(float(np.median(known)))
         right, above, left, below = (first + (usual if end is None else end) for end in ends)
         mask[n - above : below, n - left : right] = True

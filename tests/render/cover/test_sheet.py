@@ -56,6 +56,18 @@ def test_a_side_of_the_sheet_that_is_not_seen_is_as_far_as_the_others() -> None:
     assert not mask[beside & (X > 0.68 + 0.12)].any()
 
 
+@pytest.mark.parametrize("others", [1.2, 2.1])
+def test_of_a_page_that_goes_on_beyond_reach_the_marker_alone_is_covered(others: float) -> None:
+    """Else its other end would stay, and end in the middle of nothing."""
+    plane = _plane(0.3)
+    page = np.maximum(X, np.abs(Y)) < others
+    plane[page & ~PAPER] = 0.8
+    away = np.maximum(np.abs(X), np.abs(Y))
+    mask = sheet_mask(plane, GROUND, SIDE_PX)
+    assert mask[away < 0.5].all()
+    assert not mask[away > 0.6 + 0.12].any()
+
+
 def test_white_paper_on_a_white_table_is_covered_to_the_fine_lines_that_its_edges_throw() -> None:
     plane = _plane(0.8)
     lines = (np.abs(np.maximum(np.abs(X), -Y) - 0.69) < 0.015) & (Y < 0.69)  # left, right and below
