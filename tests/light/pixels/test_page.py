@@ -15,7 +15,7 @@ from ashe_live.core.transforms import project, raycast_to_plane
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.page import PageAround, page_around
-from ashe_live.light.pixels.page_ground import PageGround
+from ashe_live.light.pixels.page_ground import PageGround, ground_around
 from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.sheet import ADDED, Sheet
 from ashe_live.light.pixels.view import View
@@ -141,6 +141,15 @@ def test_the_ground_beside_a_page_has_the_colour_that_is_seen_there() -> None:
     assert page is not None
     (at_marker,) = page.ground.over_paper_at(np.zeros((1, 2)))
     np.testing.assert_allclose(at_marker, np.array([0.42, 0.38, 0.33]) / 0.8, rtol=0.06)
+
+
+def test_where_no_line_ends_the_ground_is_the_commonest() -> None:
+    tracked = paint(CYLINDER, T_cam_marker=ABOVE, page_m=A4).tracked
+    lines = PageLines.of(View.of(tracked, 640))
+    paper, common = np.array([-0.2, 0.0, 0.0]), np.array([-0.7, 0.3, 0.0])
+    for ends in ([None] * 4, [0] * 4):  # beside the square nothing ends
+        ground = ground_around(lines, ends, paper, common)
+        np.testing.assert_allclose(ground.lit_at(np.array([(0.0, 0.0), (2.0, -1.0)])), 2 * [paper + common], atol=1e-9)
 
 
 @pytest.mark.parametrize("towards", [(0.16, 0.0), (-0.05, 0.12), (0.0, -0.15)])
