@@ -89,10 +89,9 @@ def read_only_copies(cls: type[Owner]) -> type[Owner]:
 
     NumPy copies and unpickles arrays as writable ones, so that a value that came back from there could be changed.
     """
-    names = [field.name for field in fields(cast(Any, cls))]
 
     def restored(self: Owner, state: Sequence[object] | Mapping[str, object]) -> None:
-        values = state if isinstance(state, Mapping) else dict(zip(names, state, strict=True))
+        values = state if isinstance(state, Mapping) else dict(zip(_names(self), state, strict=True))
         for value in values.values():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
@@ -100,6 +99,11 @@ def read_only_copies(cls: type[Owner]) -> type[Owner]:
 
     cls.__setstate__ = restored  # type: ignore[attr-defined]
     return cls
+
+
+def _names(instance: object) -> list[str]:
+    """Of the fields of a dataclass, those that a subclass adds too."""
+    return [field.name for field in fields(cast(Any, instance))]
 
 
 def same_objects(some: Sequence[object], others: Sequence[object]) -> bool:

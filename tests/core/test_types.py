@@ -7,6 +7,7 @@ import pickle
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -131,11 +132,20 @@ def test_a_pose_that_is_not_rigid_is_refused(T: NDArray[np.float64], why: str) -
 
 
 def test_a_pose_may_be_rounded() -> None:
-    angle = math.radians(40)
-    R = np.array([(math.cos(angle), 0, math.sin(angle)), (0, 1, 0), (-math.sin(angle), 0, math.cos(angle))])
-    T = np.eye(4)
-    T[:3, :3] = R.round(2)
-    MarkerPose(T.astype(np.float32), CORNERS, 0.08, 0.1, None)
+    for rotation in np.random.default_rng(7).normal(size=(500, 3)):
+        T = np.eye(4)
+        T[:3, :3] = cv2.Rodrigues(rotation)[0].round(2)
+        MarkerPose(T.astype(np.float32), CORNERS, 0.08, 0.1, None)
+
+
+def test_a_value_with_fields_of_its_own_is_copied_with_them() -> None:
+    @dataclasses.dataclass(frozen=True, eq=False)
+    class Named(Frame):
+        name: str = ""
+
+    there = copy.deepcopy(Named(np.zeros((3, 4, 3), np.uint8), 0, 0.0, name="a"))
+    assert there.name == "a"
+    assert not there.image_bgr.flags.writeable
 
 
 def test_values_cross_between_processes() -> None:

@@ -17,7 +17,9 @@ DEFAULT_MODELS = ("cube",)
 # The same as in the models' catalogue, whose imports --help must not wait for.
 SHIPPED_MODELS = ("cube", "goblet", "lantern", "mug", "tree")
 LIGHTS = ("auto", "sun", "lamp")
-LIGHT_HELP = "auto (default): a lamp where its distance is shown; lamp: where anything of it is told; sun: never"
+LIGHT_HELP = (
+    "auto (default): a lamp where its distance is shown; lamp: wherever anything of its distance is told; sun: never"
+)
 QUALITY_HELP = (
     "of tracking, light and drawing; auto: the best at which the window keeps up with the display (without a window: "
     "balanced)"

@@ -34,7 +34,7 @@ MOST_DARK, MOST_CLIPPED = 0.5, 0.5  # fractions of the ground, beyond which the 
 # Paper that is at least this light shows that the exposure is right. The marker's margin is white, but may be no more
 # than the lightest twentieth of its sheet.
 PAPER, PAPER_PERCENTILE = 4 * DARK, 95
-STANDS_OUT = 0.1  # of an overexposed page: where less of it does, something else is at fault
+STANDS_OUT = 0.3  # of an overexposed page, more than a thing and its shadow cover: else something else is at fault
 MARGIN_PERCENTILE = 75  # of the marker's sheet, half of which is black: a value of its white margin
 HARDLY = 0.1  # of its object's area: a shadow that is smaller is hidden behind the object, or none
 LEAST_CUT_OFF = 0.1  # least confidence of an explanation whose shadow is said to leave the picture

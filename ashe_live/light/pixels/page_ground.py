@@ -17,7 +17,7 @@ ALIKE = 0.2  # log-opponent distance within which two changes of colour are alik
 # Of the change from place to place, for each side of the marker: standard deviation before it is seen. Of 18 looked-at
 # pages two lay on glossy wood, where brightness changed by 0.1 and 0.2 a side; on other ground by 0.01 to 0.04.
 BY_PLACE_SIGMA = 0.1
-FEWEST = 1e-6  # lines, with fewer than which the commonest change is all that is known
+RIDGE = 1e-6  # by which the commonest change stands where no line is left
 CORRELATED = 4.0  # lines that cross one patch of a pattern, and count as one
 ROUNDS, WIDEST, NARROWER = 12, 0.6, 0.8  # of reweighting: the loss's scale in the first one, and from each to the next
 
@@ -66,7 +66,7 @@ def ground_around(lines: PageLines, ends: Sequence[int | None], paper: Float, co
         places = np.concatenate([lines.places_beside(side, end) for side, end in enumerate(ends) if end is not None])
         changes, at = grounds - papers, np.insert(places, 0, 1.0, axis=1)
         start, by_place = change, CORRELATED * (ALIKE / BY_PLACE_SIGMA) ** 2
-        prior = np.diag([FEWEST, by_place, by_place])
+        prior = np.diag([RIDGE, by_place, by_place])
         for number in range(ROUNDS):
             scale = max(ALIKE, WIDEST * NARROWER**number)
             weight = 1 / (1 + (np.linalg.norm(changes - at @ change, axis=1) / scale) ** 2)

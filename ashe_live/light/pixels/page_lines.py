@@ -9,8 +9,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.light.pixels.sheet import PAPER_FROM, MarkerPicture
 
-# Distance from the marker's centre, in its sides, up to which paper's end is looked for: an A4 page is 5.9 times as
-# long as the side of a marker of 50 mm, which other programs put into a corner.
+# Distance from the marker's centre, in its sides, up to which paper's end is looked for: an A4 page ends at
+# most 5.4 sides from the middle of a marker of 50 mm, which other programs put into a corner.
 FARTHEST = 5.6
 STEP = 0.02  # between samples
 LINES = 24  # of samples across a side

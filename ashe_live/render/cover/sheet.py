@@ -83,8 +83,8 @@ def _rectangle(unlike: Float32, of_paper: float, side_px: float) -> Mask:
     """(n, n) the rectangle that ends where most lines outwards leave the paper; empty if none of its sides is seen.
 
     unlike: (n, n) difference from the paper, 0 where no ground is seen; of_paper: the paper's own. A side that is not
-    seen is taken to be as far away as the others. Empty, too, for a page that does not end on all sides: a half of it
-    would be covered.
+    seen is taken to be as far away as the others of a small sheet; of a page only a part would be covered by that, and
+    it is empty.
     """
     n = len(unlike)
     across = [_lines_across(np.rot90(unlike, -turns), side_px) for turns in range(4)]  # right, above, left, below

@@ -71,6 +71,10 @@ def test_an_overexposed_page_is_blamed_only_where_it_stands_out() -> None:
         assert (fault == PAGE_TOO_BRIGHT) == is_blamed
         assert fault_of_exposure(view, scene.body | scene.shadow) is None
         assert fault_of_exposure(view) is None
+    on_page = paint(Caster(at=(0.02, -0.1)), T_cam_marker=above, page_m=page_m, exposure=1.6)
+    view = View.of(on_page.tracked, 640).with_paper_as_ground()
+    assert view.page is not None
+    assert fault_of_exposure(view, on_page.body | on_page.shadow) is None
 
 
 def test_a_picture_without_ground_is_not_blamed_for_its_exposure() -> None:
