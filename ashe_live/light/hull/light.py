@@ -8,7 +8,8 @@ from operator import attrgetter
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import normalised, tangent_basis
+from ashe_live.core.transforms import angle_between, normalised, tangent_basis
+from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.hull.carved import Carved, InLight
 from ashe_live.light.hull.measured import shape_and_shadow
 from ashe_live.light.views.joint.average_light import log_likelihoods_by_pixels
@@ -36,8 +37,9 @@ def light_of_hull(hull: Carved, start: Float) -> HullLight | None:
 
     The likelihood is that of the views' pixels under the hull in each light, times that of the shadow's tangents under
     the support function that the silhouettes leave (docs/maths, "A hull"), on a grid of directions around the start,
-    and on a finer one around its result. It is unknown where too little of the shadow's outline is seen, or where the
-    two contradict each other.
+    and on a finer one around its result. It is unknown where too little of the shadow's outline is seen, where the two
+    contradict each other, and where the result contradicts the start, a family's light by the same labels: one of both
+    is wrong then, and the family's probability is not the result's.
     """
     around = _grid(start, COARSE_RAD, COARSE)
     by_pixels = _log_likelihood_by_pixels(hull, around)
@@ -56,7 +58,7 @@ def light_of_hull(hull: Carved, start: Float) -> HullLight | None:
     around = _grid(mean, step, FINE)
     by_tangents = np.array([support.log_likelihood(shadow, each) for each in around])
     mean, covariance = _posterior(around, _log_likelihood_by_pixels(hull, around) + by_tangents)
-    return HullLight(mean, covariance, hull.in_light(mean))
+    return HullLight(mean, covariance, hull.in_light(mean)) if angle_between(mean, start) < GOOD_RAD else None
 
 
 def _log_likelihood_by_pixels(hull: Carved, directions: Sequence[Float]) -> Float:
