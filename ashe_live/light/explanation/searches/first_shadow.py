@@ -18,7 +18,7 @@ from ashe_live.light.explanation.explain import (
 )
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.scene_view import SceneView
-from ashe_live.light.explanation.searches.second_light import LEAST_CLARITY, NEAR_RAD
+from ashe_live.light.explanation.searches.second_light import NEAR_RAD
 from ashe_live.light.explanation.searches.shadow_search import shadow_candidates
 from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.shape.batches import for_groups
@@ -26,6 +26,7 @@ from ashe_live.light.shape.light_points import NO_LIGHTS
 
 BODIES, TRIED = 2, 2  # objects whose shadows are searched for, and candidates for each
 CLEAR_BODY = 0.5  # least mean clarity of an outline that is taken for an object's
+CLEAR_SHADOW = 0.18  # and of a shadow's border that was looked for
 
 
 def with_shadows_searched(
@@ -76,7 +77,7 @@ def _starts(one: Explanation, view: SceneView, region_px: int) -> list[FittedPro
 
 def _shows_shadow(found: Explanation) -> bool:
     """Whether the shadow that was looked for shows its border, by colours and by steps of light."""
-    return found.alignment.clear_shadow >= LEAST_CLARITY and found.steps.show_shadow
+    return found.alignment.clear_shadow >= CLEAR_SHADOW and found.steps.show_shadow
 
 
 def _near(one: Explanation, other: Explanation) -> bool:

@@ -211,3 +211,16 @@ def test_a_pair_with_one_shadow_cut_short_gives_way_to_the_pair_with_all_of_it(e
         for one in pairs:
             errors = [min(angle_between(light.to_light_marker, true) for true in truths) for light in one.lights]
             assert max(errors) < 0.05
+
+
+@pytest.mark.parametrize(("clear", "is_light"), [(0.2, False), (0.35, True)])
+def test_a_shadow_of_whose_border_little_is_seen_is_no_second_lights(clear: float, is_light: bool) -> None:
+    """Of an object's dark surroundings, where it hides the sky, some border always agrees with some light's shadow."""
+    painted = paint(BOX, other=STRONG)
+    _, trace = ProxyEstimator().traced(painted.tracked)
+    both = trace.judged[int(np.argmax(trace.probabilities))]
+    pair = replace(both, alignment=replace(both.alignment, clear_shadows=(0.9, clear)))
+    view, ground = seen(painted)
+    scene = SceneView(0, View.of(painted.tracked, BALANCED.fine_width_px), view, ground)
+    found = with_lights_counted([pair], [], scene, BALANCED.region_px, lambda one: float(len(one.lights)))
+    assert any(one is pair for one in found) == is_light
