@@ -13,7 +13,7 @@ from ashe_live.core.colour import REC709_LUMINANCE
 # Names that end in SIDES are lengths in sides of the marker.
 LEAST_HALF_SIDES = 0.5 + 0.1  # of the square and a margin, used where paper cannot be told from the ground
 MOST_HALF_SIDES = 2.3  # from the marker's middle; the corners of an A4 page with a marker of 8 cm are within it
-PAGE_HALF_SIDES = 1.1  # what reaches farther is a page, whose unseen end may be anywhere
+PAGE_HALF_SIDES = 1.0  # what reaches farther is a page, whose unseen end may be anywhere
 RING_SIDES = (0.55, 0.6)  # distances from the marker's middle between which there is paper
 SAME_LOG = 0.35  # largest difference of paper from that ring, in logarithms of linear RGB
 CONVEX = 0.85  # least share of its convex hull that a sheet fills

@@ -56,7 +56,7 @@ def test_a_side_of_the_sheet_that_is_not_seen_is_as_far_as_the_others() -> None:
     assert not mask[beside & (X > 0.68 + 0.12)].any()
 
 
-@pytest.mark.parametrize("others", [1.2, 2.1])
+@pytest.mark.parametrize("others", [1.05, 1.2, 2.1])
 def test_of_a_page_that_goes_on_beyond_reach_the_marker_alone_is_covered(others: float) -> None:
     """Else its other end would stay, and end in the middle of nothing."""
     plane = _plane(0.3)
