@@ -33,11 +33,11 @@ NO_MARKER = (
 )
 NOT_IN_FILE = (
     "is not found: if another one is there, name it with --marker,",
-    "such as `--marker aruco:4x4_50:7`, or `--marker pattern:FILE` for a picture of your own",
+    "such as `--marker aruco:4x4_50:7`, or `--marker image:FILE.png` for a picture of your own",
 )
 NONE_IN_FILE = (
     "no marker is found here: it must be in view as a whole, with the white around it;",
-    "a picture of your own is a marker only if it is named, such as `--marker pattern:FILE`;",
+    "a picture of your own is a marker only if it is named, such as `--marker image:FILE.png`;",
     "`ashe-live marker --out marker.pdf` makes one to print, for another photo or clip",
 )
 
