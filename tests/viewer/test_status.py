@@ -357,3 +357,8 @@ def test_a_picture_of_ones_own_is_read_as_the_tip_names_it(lines, tmp_path):
     PIL.Image.fromarray(parse_marker("aruco:4x4_50:7").bitmap(160)).save(tmp_path / "own.png")
     *_, spec = re.findall(r"--marker (\S+)`", tip)
     assert parse_marker(spec.replace("FILE.png", str(tmp_path / "own.png"))).bitmap(160).shape == (160, 160)
+
+
+@pytest.mark.parametrize(("fps", "shown_as"), [(29.97, "30 fps"), (0.5, "less than 1 fps"), (0.2, "less than 1 fps")])
+def test_a_picture_every_few_seconds_is_not_said_to_be_none(shown, fps, shown_as):
+    assert status_lines(shown(), fps, "fast")[0].startswith(f"{shown_as}   ")
