@@ -61,14 +61,16 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination, is_draft: bo
     known, shade = plane.is_seen & ~plane.border, plane.shade
     if body is None:
         sheet = sheet_of(lit, known, side_px)
-        hole, known = sheet.mask, known & sheet.surroundings
+        hole, copied = sheet.mask, known & sheet.surroundings
         covered = with_rim(hole, side_px)
     else:
         hole, covered = hidden_and_shaded(tracked.pose, body, illumination, half_m, len(lit))
         hole |= plane.border | (covered & ~plane.is_seen)
         covered |= hole
-        known, shade = known & ~hole, np.ones_like(shade)  # its shadows go with it
-    ground = filled(lit, hole, known, side_px if body is None else COARSER * side_px)
+        copied, shade = known & ~hole, np.ones_like(shade)  # its shadows go with it
+    ground = filled(lit, hole, copied, side_px if body is None else COARSER * side_px)
+    if ground is None and body is None:  # the real object hides the page, and other ground is better than the marker
+        ground = filled(lit, hole, known, side_px)
     far_px = distances_from(covered)
     around = _beside(far_px, plane.is_seen, side_px)
     if ground is None or around is None:
