@@ -78,3 +78,8 @@ def _may_be_clip(path: Path) -> bool:
 def is_named_as_video(path: Path) -> bool:
     """Whether the suffix is one of videos."""
     return path.suffix.lower() in VIDEO_SUFFIXES
+
+
+def is_named_as_picture(path: Path) -> bool:
+    """Whether the suffix is one of photos or videos."""
+    return path.suffix.lower() in SUFFIXES or _may_be_clip(path)

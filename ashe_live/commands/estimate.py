@@ -183,7 +183,7 @@ def _answer_text(record: FileRecord, is_marker_named: bool) -> str:
     estimate = record.estimate
     assert estimate is not None
     if not estimate.lights:
-        return f"no directional light ({estimate.reason})"
+        return f"no clear light: {estimate.reason}"
     milliseconds = (record.timing_ms or {}).get("total", 0.0)
     where = "" if record.is_photo else f"frame {record.frame}, "
     if estimate.span_rad is not None:

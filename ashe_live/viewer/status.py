@@ -33,11 +33,11 @@ NO_MARKER = (
 )
 NOT_IN_FILE = (
     "is not found: if another one is there, name it with --marker,",
-    "such as `--marker aruco:4x4_50:7`, or `--marker pattern:FILE` for a picture of your own",
+    "such as `--marker aruco:4x4_50:7`, or `--marker image:FILE.png` for a picture of your own",
 )
 NONE_IN_FILE = (
     "no marker is found here: it must be in view as a whole, with the white around it;",
-    "a picture of your own is a marker only if it is named, such as `--marker pattern:FILE`;",
+    "a picture of your own is a marker only if it is named, such as `--marker image:FILE.png`;",
     "`ashe-live marker --out marker.pdf` makes one to print, for another photo or clip",
 )
 
@@ -125,7 +125,7 @@ def status_lines(
     picture, which may not be the chosen one yet.
     """
     model = f"model: {model_name or session.table.in_hand_text}"
-    first = "   ".join((model, quality) if fps is None else (f"{fps:.0f} fps", model, quality, KEYS))
+    first = "   ".join((model, quality) if fps is None else (_rate_text(fps), model, quality, KEYS))
     seen = measured or session.tracked
     marker = marker_line(seen)
     if seen is not None and seen.marker is not None:
@@ -134,6 +134,11 @@ def status_lines(
         return [first, marker]
     camera = camera_line(session.tracked)
     return [first, marker, *([] if camera is None else [camera]), light_line(session)]
+
+
+def _rate_text(fps: float) -> str:
+    """A picture every few seconds is a slow one, and not none."""
+    return "less than 1 fps" if round(fps) < 1 else f"{fps:.0f} fps"
 
 
 def source_lines(session: Session, source_status: str | None, now_s: float) -> list[str]:

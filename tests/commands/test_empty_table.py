@@ -62,7 +62,7 @@ def test_the_light_is_found_over_the_empty_table(run, photos, name):
 def test_an_empty_table_over_itself_has_no_light(run, photos):
     outcome = run("estimate", *KNOWN, photos.empty, "--empty", photos.empty)
     assert outcome.status == 4
-    assert "no directional light" in outcome.out[0]
+    assert "no clear light" in outcome.out[0]
 
 
 def test_repeated_estimates_are_over_the_empty_table_as_well(run, photos):

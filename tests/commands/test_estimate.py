@@ -107,7 +107,7 @@ def test_without_a_light_the_status_is_4(run, files, go_dark):
     assert record["light"]["kind"] == "none"
     assert record["light"]["reason"] == "no shadow found beside the object"
     assert record["lights"] == []
-    assert "no directional light (no shadow" in run("estimate", *KNOWN, files["photo"]).out[0]
+    assert "no clear light: no shadow" in run("estimate", *KNOWN, files["photo"]).out[0]
 
 
 def test_without_a_marker_the_status_is_3(run, files):

@@ -1,8 +1,10 @@
 """The text of the heads-up display: the state of light, marker and camera, and what helps."""
 
 import dataclasses
+import re
 
 import numpy as np
+import PIL.Image
 import pytest
 
 from ashe_live.core.camera import Camera
@@ -12,11 +14,14 @@ from ashe_live.core.transforms import direction_from_angles
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import Placement, placed_on_marker
 from ashe_live.models.primitives import box
+from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.viewer.hands.requests import Command
 from ashe_live.viewer.status import (
     LAMP_AMONG_MANY,
     LAMP_BELOW,
     LAMP_INSIDE,
+    NONE_IN_FILE,
+    NOT_IN_FILE,
     OUT_OF_PICTURE,
     camera_line,
     guidance,
@@ -344,3 +349,16 @@ def test_a_light_that_is_followed_is_still_over_the_empty_table(make, fakes):
     session.poll(1.0)
     assert session.estimate.light.to_light_marker[1] > 0
     assert "over the empty table" in light_line(session)
+
+
+@pytest.mark.parametrize("lines", [NOT_IN_FILE, NONE_IN_FILE])
+def test_a_picture_of_ones_own_is_read_as_the_tip_names_it(lines, tmp_path):
+    (tip,) = (line for line in lines if "picture of your own" in line)
+    PIL.Image.fromarray(parse_marker("aruco:4x4_50:7").bitmap(160)).save(tmp_path / "own.png")
+    *_, spec = re.findall(r"--marker (\S+)`", tip)
+    assert parse_marker(spec.replace("FILE.png", str(tmp_path / "own.png"))).bitmap(160).shape == (160, 160)
+
+
+@pytest.mark.parametrize(("fps", "shown_as"), [(29.97, "30 fps"), (0.5, "less than 1 fps"), (0.2, "less than 1 fps")])
+def test_a_picture_every_few_seconds_is_not_said_to_be_none(shown, fps, shown_as):
+    assert status_lines(shown(), fps, "fast")[0].startswith(f"{shown_as}   ")

@@ -21,7 +21,7 @@ from ashe_live.commands.viewing.setup import (
 )
 from ashe_live.core.arrays import Image
 from ashe_live.errors import ExitStatus, UserError
-from ashe_live.process.messages import print_answer, print_message
+from ashe_live.process.messages import listed, print_answer, print_message
 from ashe_live.process.signals import ended_by_signals
 from ashe_live.render.gl.offscreen import graphics_failures_reported, offscreen_context
 from ashe_live.render.renderer import SceneRenderer
@@ -62,10 +62,13 @@ def show_without_window(
             stack.enter_context(recorder)
             takers = (*takers, recorder.write)
         report = Report(renderer.gl_renderer, renderer.gl_version, options.quality)
+        never_seen = {each.marker for each in session.arrangement.chosen if each.marker is not None}
 
         def next_scene(session: Session) -> Scene:
             end_if_asked()
             as_shown.set_up(session)
+            if never_seen and session.tracked is not None:
+                never_seen.intersection_update(session.arrangement.without_marker(session.tracked))
             return _layers(scene(session), options.layers)
 
         run = HeadlessRun(next_scene, options.frames, options.loop, takers, options.layers is not None)
@@ -81,7 +84,7 @@ def show_without_window(
     # Only now is it known what has become of the recording.
     if recorder is not None:
         _report_where(options.out, recorder.path)
-    status = _summed_up(setup, session, report)
+    status = _summed_up(setup, session, report, never_seen)
     if refusal is not None:
         raise refusal
     return Played(status, None if recorder is None else recorder.path)
@@ -140,12 +143,15 @@ def _report_where(wanted: Path, path: Path) -> None:
         print_message(f"{wanted} has appeared meanwhile and stays as it is: see {path}")
 
 
-def _summed_up(setup: ViewerSetup, session: Session, report: Report) -> int:
+def _summed_up(setup: ViewerSetup, session: Session, report: Report, never_seen: set[str]) -> int:
+    """Prints how the run went; `never_seen`: the markers of models that no picture shows."""
     found = sum(frame["found"] for frame in report.frames)
     light = "light: not estimated" if session.estimate is None else light_line(session)
     print_answer(f"{setup.source.name}: marker in {found} of {len(report.frames)} frames; {light}")
     for notice in _notices(setup, session, {frame["index"] for frame in report.frames if frame["found"]}):
         print_message(notice)
+    if found and never_seen:
+        print_message(f"no picture shows {listed(sorted(never_seen))}: what stands there is not drawn")
     return ExitStatus.ANSWERED if found else ExitStatus.NO_MARKER
 
 

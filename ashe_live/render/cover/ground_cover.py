@@ -20,7 +20,7 @@ from ashe_live.render.cover.inpainting.filling import BESIDE_SIDES, BLEED_SIDES,
 from ashe_live.render.cover.inpainting.masked import distances_from
 from ashe_live.render.cover.over_sheet import SheetAsMade, sheet_as_made
 from ashe_live.render.cover.rectified import rectified
-from ashe_live.render.cover.sheet import sheet_mask
+from ashe_live.render.cover.sheet import sheet_of
 
 HALF_SIDES = 2.75  # half of the side of the square of ground that is examined, in sides of the marker
 MOST_SIDE_PX, LEAST_SIDE_PX = 256.0, 24.0  # limits of the marker's side in the rectified picture
@@ -60,14 +60,17 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination, is_draft: bo
     # What is covered, the hole in it that has to be made up, and the ground that may be copied there.
     known, shade = plane.is_seen & ~plane.border, plane.shade
     if body is None:
-        hole = sheet_mask(lit, known, side_px)
+        sheet = sheet_of(lit, known, side_px)
+        hole, copied = sheet.mask, known & sheet.surroundings
         covered = with_rim(hole, side_px)
     else:
         hole, covered = hidden_and_shaded(tracked.pose, body, illumination, half_m, len(lit))
         hole |= plane.border | (covered & ~plane.is_seen)
         covered |= hole
-        known, shade = known & ~hole, np.ones_like(shade)  # its shadows go with it
-    ground = filled(lit, hole, known, side_px if body is None else COARSER * side_px)
+        copied, shade = known & ~hole, np.ones_like(shade)  # its shadows go with it
+    ground = filled(lit, hole, copied, side_px if body is None else COARSER * side_px)
+    if ground is None and body is None:  # the real object hides the page, and other ground is better than the marker
+        ground = filled(lit, hole, known, side_px)
     far_px = distances_from(covered)
     around = _beside(far_px, plane.is_seen, side_px)
     if ground is None or around is None:

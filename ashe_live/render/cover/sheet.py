@@ -1,5 +1,6 @@
 """Finds the marker's sheet in the plane: the paper around the square, whatever its size, and the sheet's shadow."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import cv2
@@ -12,7 +13,7 @@ from ashe_live.core.colour import REC709_LUMINANCE
 # Names that end in SIDES are lengths in sides of the marker.
 LEAST_HALF_SIDES = 0.5 + 0.1  # of the square and a margin, used where paper cannot be told from the ground
 MOST_HALF_SIDES = 2.3  # from the marker's middle; the corners of an A4 page with a marker of 8 cm are within it
-PAGE_HALF_SIDES = 1.1  # what reaches farther is a page, whose unseen end may be anywhere
+PAGE_HALF_SIDES = 1.0  # what reaches farther is a page, whose unseen end may be anywhere
 RING_SIDES = (0.55, 0.6)  # distances from the marker's middle between which there is paper
 SAME_LOG = 0.35  # largest difference of paper from that ring, in logarithms of linear RGB
 CONVEX = 0.85  # least share of its convex hull that a sheet fills
@@ -31,8 +32,16 @@ DARKER = 0.75  # brightness of that shadow over that of the ground around it, at
 THING_SIDES = 0.06  # radius of discs that fit into what is dark beyond that reach as well: a thing, or its shadow
 
 
-def sheet_mask(lit: Float32, is_ground: Mask, side_px: float) -> Mask:
-    """(n, n) of a rectified picture (n, n, 3) of the plane, linear RGB: the sheet with its rim and its own shadow.
+@dataclass(frozen=True, slots=True, eq=False)
+class Sheet:
+    """What is covered of a rectified picture (n, n) of the plane."""
+
+    mask: Mask  # (n, n) the sheet with its rim and its own shadow, or the square with a margin
+    surroundings: Mask  # (n, n) what goes on under the cover: the page alone, if it is the square on a page
+
+
+def sheet_of(lit: Float32, is_ground: Mask, side_px: float) -> Sheet:
+    """The sheet in a rectified picture (n, n, 3) of the plane, linear RGB.
 
     is_ground: (n, n) seen, lit alike. side_px: the marker's side; the marker is in the middle. Where the paper cannot
     be told from the ground, it is a rectangle, or the square with a margin if none of its sides is seen.
@@ -48,10 +57,14 @@ def sheet_mask(lit: Float32, is_ground: Mask, side_px: float) -> Mask:
     alike = (unlike < SAME_LOG) & (away < MOST_HALF_SIDES) | least
     opened = cv2.morphologyEx(alike.astype(np.uint8), cv2.MORPH_OPEN, np.ones((2, 2)))
     paper_there = _joined(cv2.morphologyEx(opened, cv2.MORPH_CLOSE, _disc(LINE_SIDES * side_px)) > 0, least)
-    sheet = _hull(paper_there)
+    sheet, surroundings = _hull(paper_there), np.ones_like(least)
     if sheet[away > MOST_HALF_SIDES - 2 / side_px].any() or paper_there.sum() < CONVEX * sheet.sum():
-        sheet = least | _rectangle(np.where(is_ground, unlike, 0), float(np.median(unlike[ring])), side_px)
-    return _with_own_shadow(sheet, lit @ REC709_LUMINANCE.astype(np.float32), is_ground, side_px)
+        rectangle = _rectangle(np.where(is_ground, unlike, 0), float(np.median(unlike[ring])), side_px)
+        sheet = least | rectangle
+        # Else colours and lines of the ground beyond the page would be continued on it.
+        if not rectangle.any() and paper_there[is_ground & (away > PAGE_HALF_SIDES)].any():
+            surroundings = cv2.erode(paper_there.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0
+    return Sheet(_with_own_shadow(sheet, lit @ REC709_LUMINANCE.astype(np.float32), is_ground, side_px), surroundings)
 
 
 def _with_own_shadow(sheet: Mask, brightness: Float32, is_ground: Mask, side_px: float) -> Mask:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
-from ashe_live.capture.folder import is_named_as_video
+from ashe_live.capture.folder import is_named_as_picture, is_named_as_video
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.models.loading import SUFFIXES
@@ -22,6 +22,7 @@ MOST_CHARACTERS = 300_000  # of copied text, which may be anything
 QUOTES = "\"'"
 QUOTE_IN_QUOTES = "'\\''"
 ESCAPED = re.compile(r"\\(\W)")
+NAMING_OTHERS = {".gltf", ".obj", ".ply"}  # suffixes of models whose textures are files of their own
 LONGEST_NAME = 255  # characters, of a file or folder on the systems in use
 
 
@@ -134,9 +135,13 @@ def _path_of_uri(uri: str) -> str:
 def of_each_kind(paths: Sequence[str]) -> tuple[list[str], list[str]]:
     """The models among files that were dropped together, and the sources; each once.
 
-    Beside a model only a video counts as a source: pictures and other files that lie beside a model belong to it.
+    Beside a model only videos count as sources, and photos if no model's file may name them as its own; other files
+    that lie beside a model belong to it.
     """
     paths = list(dict.fromkeys(paths))
-    is_model = [Path(path).suffix.lower() in SUFFIXES for path in paths]
-    models = [path for path, is_one in zip(paths, is_model, strict=True) if is_one]
-    return models, [path for path in paths if not models or is_named_as_video(Path(path))]
+    suffixes = [Path(path).suffix.lower() for path in paths]
+    models = [path for path, suffix in zip(paths, suffixes, strict=True) if suffix in SUFFIXES]
+    if not models:
+        return [], paths
+    is_source = is_named_as_video if set(suffixes) & NAMING_OTHERS else is_named_as_picture
+    return models, [path for path in paths if is_source(Path(path))]

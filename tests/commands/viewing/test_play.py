@@ -385,6 +385,17 @@ def test_without_a_display_it_is_said_what_may_be_written_instead(run, tmp_path,
     assert run("play", played, *HEADLESS, "--out", tmp_path / written).status == 0
 
 
+@pytest.mark.parametrize("shown", [True, False])
+def test_a_model_whose_own_marker_no_picture_shows_is_named(run, tmp_path, shown):
+    tops = {0: (185, 80), **({7: (185, 400)} if shown else {})}
+    write_sheet(tmp_path / "sheet.png", tops, cv2.aruco.DICT_4X4_50)
+    models = "--marker=aruco:4x4_50:0", "--model=cube", "--model=7=cube"
+    outcome = run("play", tmp_path / "sheet.png", *HEADLESS, *models)
+    assert outcome.status == 0
+    told = ["ashe-live: no picture shows aruco:4x4_50:7: what stands there is not drawn"]
+    assert [line for line in outcome.err if "no picture" in line] == ([] if shown else told)
+
+
 def test_what_was_measured_or_assumed_of_a_camera_that_nobody_gave_is_said(run, files, tmp_path):
     write_sheet(tmp_path / "from_above.png", {0: (185, 265)}, cv2.aruco.DICT_4X4_50)
     for photo, said in ((files["photo"], "the marker"), (tmp_path / "from_above.png", "degrees are assumed")):

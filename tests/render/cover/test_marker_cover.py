@@ -23,7 +23,7 @@ from ashe_live.render.cover import cover_maker
 from ashe_live.render.cover.ground_cover import DRAFT_SIDE_PX, HALF_SIDES, MOST_AROUND, GroundCover, ground_cover
 from ashe_live.render.cover.marker_cover import MarkerCover
 from ashe_live.render.cover.rectified import rectified
-from ashe_live.render.cover.sheet import LEAST_HALF_SIDES, sheet_mask
+from ashe_live.render.cover.sheet import LEAST_HALF_SIDES, sheet_of
 from ashe_live.render.scene import Scene
 
 SIDE = 0.08
@@ -492,7 +492,7 @@ def test_sheet_is_found_whatever_its_size(half_sides: float) -> None:
     lit = np.full((size, size, 3), (0.4, 0.25, 0.15), np.float32)
     lit[away < half_sides] = 0.75
     lit[away < 0.5] = 0.03
-    mask = sheet_mask(lit, np.ones((size, size), bool), side_px)
+    mask = sheet_of(lit, np.ones((size, size), bool), side_px).mask
     assert mask[away < half_sides].all()
     assert not mask[away > half_sides + 0.12].any()
 
@@ -503,7 +503,7 @@ def test_on_white_ground_only_the_square_is_covered() -> None:
     away = np.maximum(x, y)
     lit = np.full((size, size, 3), 0.75, np.float32)
     lit[away < 0.5] = 0.03
-    mask = sheet_mask(lit, np.ones((size, size), bool), side_px)
+    mask = sheet_of(lit, np.ones((size, size), bool), side_px).mask
     assert mask[away < 0.5].all()
     assert not mask[away > LEAST_HALF_SIDES + 0.12].any()
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.render.cover.sheet import sheet_mask
+from ashe_live.render.cover.sheet import sheet_of
 
 SIZE, SIDE_PX = 600, 120.0
 AXIS = (np.arange(SIZE) + 0.5 - SIZE / 2) / SIDE_PX
@@ -21,7 +21,7 @@ def _plane(ground: float) -> np.ndarray:
 
 
 def test_paper_on_darker_ground_is_covered_and_hardly_more() -> None:
-    mask = sheet_mask(_plane(0.3), GROUND, SIDE_PX)
+    mask = sheet_of(_plane(0.3), GROUND, SIDE_PX).mask
     assert mask[PAPER].all()
     assert not mask[np.maximum(np.abs(X), np.abs(Y)) > 0.68 + 0.12].any()
 
@@ -34,7 +34,7 @@ def test_the_shadow_of_a_lifted_edge_is_covered_also_where_paper_looks_like_grou
     plane = _plane(ground)
     shadow = (np.abs(X - middle) < width / 2) & (Y > 0.68) & (Y < 0.75)
     plane[shadow] *= 0.1
-    assert sheet_mask(plane, GROUND, SIDE_PX)[shadow].all()
+    assert sheet_of(plane, GROUND, SIDE_PX).mask[shadow].all()
 
 
 def test_paper_on_light_ground_whose_bright_joints_reach_it_is_covered_to_its_edges() -> None:
@@ -42,7 +42,7 @@ def test_paper_on_light_ground_whose_bright_joints_reach_it_is_covered_to_its_ed
     plane = _plane(0.5)
     joints = ~PAPER & ((np.abs(X - 0.2) < 0.03) | (np.abs(Y + 0.3) < 0.03))
     plane[joints] = 0.8
-    mask = sheet_mask(plane, GROUND, SIDE_PX)
+    mask = sheet_of(plane, GROUND, SIDE_PX).mask
     assert mask[PAPER].all()
     assert not mask[np.maximum(np.abs(X), np.abs(Y)) > 0.68 + 0.12].any()
 
@@ -51,19 +51,19 @@ def test_a_side_of_the_sheet_that_is_not_seen_is_as_far_as_the_others() -> None:
     plane = _plane(0.5)
     beside = (X > 0.5) & ~PAPER
     plane[beside] = 0.78
-    mask = sheet_mask(plane, GROUND, SIDE_PX)
+    mask = sheet_of(plane, GROUND, SIDE_PX).mask
     assert mask[PAPER].all()
     assert not mask[beside & (X > 0.68 + 0.12)].any()
 
 
-@pytest.mark.parametrize("others", [1.2, 2.1])
+@pytest.mark.parametrize("others", [1.05, 1.2, 2.1])
 def test_of_a_page_that_goes_on_beyond_reach_the_marker_alone_is_covered(others: float) -> None:
     """Else its other end would stay, and end in the middle of nothing."""
     plane = _plane(0.3)
     page = np.maximum(X, np.abs(Y)) < others
     plane[page & ~PAPER] = 0.8
     away = np.maximum(np.abs(X), np.abs(Y))
-    mask = sheet_mask(plane, GROUND, SIDE_PX)
+    mask = sheet_of(plane, GROUND, SIDE_PX).mask
     assert mask[away < 0.5].all()
     assert not mask[away > 0.6 + 0.12].any()
 
@@ -72,7 +72,7 @@ def test_white_paper_on_a_white_table_is_covered_to_the_fine_lines_that_its_edge
     plane = _plane(0.8)
     lines = (np.abs(np.maximum(np.abs(X), -Y) - 0.69) < 0.015) & (Y < 0.69)  # left, right and below
     plane[lines] *= 0.9
-    mask = sheet_mask(plane, GROUND, SIDE_PX)
+    mask = sheet_of(plane, GROUND, SIDE_PX).mask
     assert mask[PAPER | lines].all()
     assert not mask[np.maximum(np.abs(X), np.abs(Y)) > 0.69 + 0.12].any()
 
@@ -82,7 +82,7 @@ def test_print_on_white_paper_is_not_the_edge_that_a_slightly_darker_table_shows
     page = (np.abs(X) < 1.2) & (np.abs(Y) < 1.7)
     plane[page & ~PAPER] = 0.8
     plane[(np.abs(X) < 0.6) & (np.abs(Y + 1.4) < 0.015)] = 0.5
-    mask = sheet_mask(plane, GROUND, SIDE_PX)
+    mask = sheet_of(plane, GROUND, SIDE_PX).mask
     assert mask[page].all()
     assert not mask[(np.abs(X) > 1.2 + 0.12) | (np.abs(Y) > 1.7 + 0.12)].any()
 
@@ -94,7 +94,7 @@ def test_what_ends_far_from_white_paper_on_a_white_table_is_not_its_sheet() -> N
     plane[~seen] = 0.0
     thing = np.hypot(X + 1.5, Y) < 0.6
     plane[thing] = (0.1, 0.4, 0.05)
-    mask = sheet_mask(plane, seen, SIDE_PX)
+    mask = sheet_of(plane, seen, SIDE_PX).mask
     assert mask[np.maximum(np.abs(X), np.abs(Y)) < 0.6].all()
     assert not mask[thing].any()
     assert not mask[np.maximum(np.abs(X), np.abs(Y)) > 1.0].any()
@@ -105,7 +105,7 @@ def test_a_dark_thing_beside_the_sheet_is_not_covered_as_the_shadow_of_a_lifted_
     thing = (np.abs(X) < 0.5) & (Y > 0.76) & (Y < 1.5)
     shadow = (np.abs(X) < 0.6) & (Y < -0.68) & (Y > -0.8)
     plane[thing | shadow] = 0.05
-    mask = sheet_mask(plane, GROUND, SIDE_PX)
+    mask = sheet_of(plane, GROUND, SIDE_PX).mask
     assert mask[PAPER | shadow].all()
     assert not mask[thing & (Y > 0.68 + 0.12)].any()
 
@@ -117,6 +117,6 @@ def test_speckles_as_bright_as_paper_are_no_edge() -> None:
     speckles = (np.arange(SIZE) + phases) % 3 < 2
     plane[speckles & ~PAPER] = 0.5
     plane[~PAPER & (np.abs(Y) < 0.03)] = 0.8
-    mask = sheet_mask(plane, GROUND, SIDE_PX)
+    mask = sheet_of(plane, GROUND, SIDE_PX).mask
     assert mask[np.maximum(np.abs(X), np.abs(Y)) < 0.6].all()
     assert not mask[np.abs(X) > 1.0].any()

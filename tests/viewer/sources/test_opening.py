@@ -176,6 +176,8 @@ def test_of_two_files_in_a_row_the_last_is_shown_and_the_first_is_closed(fakes):
             ["/a/one.glb", "/a/two.glb"],
             ["/a/clip.mp4", "/a/late.webm"],
         ),
+        (["/a/photo.JPG", "/a/mug.glb", "/a/mug.txt"], ["/a/mug.glb"], ["/a/photo.JPG"]),
+        (["/a/part.stl", "/a/chair.gltf", "/a/wood.jpg"], ["/a/part.stl", "/a/chair.gltf"], []),
         (["a.obj", "http://[a/b.mp4"], ["a.obj"], ["http://[a/b.mp4"]),  # no address at all, and no reason to end
         (["/a/notes.txt"], [], ["/a/notes.txt"]),  # which says that it is no clip
         ([], [], []),
