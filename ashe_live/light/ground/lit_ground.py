@@ -15,7 +15,7 @@ from ashe_live.core.arrays import Float, Float32, Image, Mask, median
 from ashe_live.light.ground.preset import COARSE, GroundPreset
 from ashe_live.light.ground.sheen import sheen_on, without_sheen
 from ashe_live.light.ground.slow_shading import LightFall, field_beside, robust_trend, slow_bases
-from ashe_live.light.pixels.areas import cleaned, grown, large_areas, resized, shrunk, smoothed
+from ashe_live.light.pixels.areas import cleaned, grown, large_areas, resized, sampled, shrunk, smoothed
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
 from ashe_live.light.pixels.mixtures import Mixture, clusters, mixture_of, nearest_centres, nearest_squared_distance
 from ashe_live.light.pixels.view import View, Window
@@ -82,7 +82,7 @@ def fit_lit_ground(
     field, spread = _wider_spread(colours, bases, is_ground, preset.spread_colours)
     typical, spread = median(spread[is_ground]), smoothed(spread)
     lit = is_ground & (spread > min(WIDE, WIDE_OF_TYPICAL * typical))
-    chosen = _samples(shrunk(lit, 1))
+    chosen = sampled(shrunk(lit, 1), SAMPLES)
     if len(chosen) < LEAST_SAMPLES:
         return None
     values, slow = colours.reshape(-1, 3)[chosen], bases[chosen]
@@ -166,17 +166,9 @@ def with_unlit_on_average(unlit: Mask, view: View) -> Mask:
     return unlit | (thick & view.is_ground)
 
 
-def _samples(mask: Mask) -> NDArray[np.intp]:
-    """Up to SAMPLES flat indices of `mask`, chosen at random but always the same."""
-    inside = np.flatnonzero(mask)
-    if len(inside) <= SAMPLES:
-        return inside
-    return np.sort(np.random.default_rng(0).choice(inside, SAMPLES, replace=False))
-
-
 def _wider_spread(colours: Float32, bases: Float32, is_ground: Mask, count: int) -> tuple[Float32, Float32]:
     """(b, 3) the slow field, or zeros, whichever spreads the ground's colours more widely; and that spread (h, w)."""
-    chosen, cells = _samples(is_ground), _cells(is_ground.shape).ravel()
+    chosen, cells = sampled(is_ground, SAMPLES), _cells(is_ground.shape).ravel()
     values, slow = colours.reshape(-1, 3)[chosen], bases[chosen]
 
     def typical(labels: NDArray[np.intp]) -> float:
