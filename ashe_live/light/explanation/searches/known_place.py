@@ -51,9 +51,7 @@ class Hint:
 def hints_of(explanations: Iterable[Explanation], count: int) -> list[Hint]:
     """The lights of explanations, the likeliest first, without those like an earlier one's; `count` at most."""
     hints = (
-        Hint(light.light, shift)
-        for each in explanations
-        for light, shift in zip(each.lights, each.materials.shifts, strict=False)
+        Hint(light.light, shift) for each in explanations for light, shift in zip(each.lights, each.shifts, strict=True)
     )
     return distinct(hints, lambda hint, other: bool(hint.light[:3] @ other.light[:3] >= SAME_LIGHT), count)
 

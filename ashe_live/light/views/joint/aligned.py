@@ -57,11 +57,6 @@ class JointStart:
     costs: Sequence[Costs]  # of the pixels around it in each view, the first one first
 
 
-def lit_body_of(explanation: Explanation) -> tuple[LitBody, Sequence[Float]]:
-    """The body with its lights, and the colour shift (3,) of each light's shadow."""
-    return explanation.lit, explanation.materials.shifts[: len(explanation.lights)]
-
-
 def towards_light(explanation: JointExplanation) -> Float:
     """(3,) unit vector, marker frame, towards the light, or the first of two."""
     return explanation.joint.lights[0].to_light_marker
