@@ -44,7 +44,7 @@ class Sides:
     residual: Float  # (k,) their light without that, and without what the table sends
     noise: Float  # (k,) standard deviation of how that is measured
     is_clipped: Mask  # (k,) brighter than the picture shows
-    by_level: Float  # (k,) what all change together by a standard deviation of the level facet's light
+    by_level: Float  # (k,) what all change together by a standard deviation of the level facet's light; clipped ones: 0
 
     @staticmethod
     def of(facets: Facets, from_table: Float, channels: Float) -> "Sides":
