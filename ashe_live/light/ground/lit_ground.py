@@ -117,7 +117,7 @@ def ground_colours(image_bgr: Image, ground: LitGround, window: Window) -> Float
 
 def lit_rgb(ground: LitGround) -> Float:
     """(3,) mean linear RGB of the lit ground, as the camera took it."""
-    palette = ground.palette if ground.taken is None else ground.taken.palette
+    palette = (ground.taken or ground).palette
     return np.asarray(np.average(linear_rgb(palette.centres), axis=0, weights=palette.weights))
 
 

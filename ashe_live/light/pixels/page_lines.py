@@ -127,4 +127,5 @@ def largest_beside(size: Float) -> Float:
 
 
 def around(place: int) -> slice:
+    """The samples at which lines end together with one that ends there."""
     return slice(max(place - TOGETHER, 0), place + TOGETHER + 1)
