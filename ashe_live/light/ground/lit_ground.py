@@ -28,7 +28,8 @@ SAMPLES, LEAST_SAMPLES = 2000, 500
 # is the ground's, below RARE it is rare.
 WIDE, WIDE_OF_TYPICAL = 0.3, 0.6
 RARE, RARE_OF_TYPICAL = 0.35, 0.75
-NEAR_PX = 3  # the reach of the smoothing of `squared_distance`
+SMOOTHING_PX, NEAR_PX = 0.7, 3  # standard deviation of the smoothing of `squared_distance`, and its reach
+WIDENING = 1.3  # factor on the covariances of the palette's components
 # Scale at which colours are averaged, and the least area there, in pixels, of an object found by its mean colour.
 AVERAGED, LEAST_AVERAGED_PX = 1 / 3, 12
 # Log odds of lying on the plane below which a pixel is something that stands there, if its colour is unusual for the
@@ -90,7 +91,7 @@ def fit_lit_ground(
     for _ in range(preset.field_rounds):
         labels, centres = clusters(values - slow @ field, preset.palette_colours, labels)
         field = field_beside(values - centres[labels], slow, field)
-    palette = mixture_of(values - slow @ field, preset.palette_colours, widening=1.3, start=labels)
+    palette = mixture_of(values - slow @ field, preset.palette_colours, WIDENING, labels)
     if palette is None:
         return None
     flat = colours - (bases @ field).reshape(colours.shape)
@@ -99,7 +100,7 @@ def fit_lit_ground(
     squared = np.zeros(lit.shape, np.float32)
     distances = nearest_squared_distance(flat[near], palette.centres, palette.covariances)
     squared[near] = np.minimum(distances, MOST_DISTANCE)
-    squared_distance = np.asarray(cv2.GaussianBlur(squared, (0, 0), 0.7), dtype=np.float32)
+    squared_distance = np.asarray(cv2.GaussianBlur(squared, (0, 0), SMOOTHING_PX), dtype=np.float32)
     sheen = sheen_on(flat, squared_distance, is_ground, palette)
     return LitGround(flat, field, palette, rare, squared_distance, sheen, fall)
 
