@@ -7,7 +7,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Mask, once_for_each
 from ashe_live.light.edges.moved_views import PoseEquations
 from ashe_live.light.edges.outline_points import (
     POINTS_PER_OUTLINE,
@@ -33,7 +33,7 @@ NOWHERE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class MeasuredSteps:
     """The steps of light around n bodies in one picture, as they enter the normal equations."""
 
@@ -57,11 +57,9 @@ class MeasuredSteps:
 
         offset: with a last parameter, the pixels by which all steps around the object itself are too far out.
         """
-        weight = self.weight(loss_factor)
-        by_theta = derivatives_by_theta(self.bodies, self.sights, self.places, with_nearness)
+        weight, by_theta = self.weight(loss_factor), self._by_theta(with_nearness)
         if offset:
             by_theta = np.insert(by_theta, by_theta.shape[1], np.arange(by_theta.shape[2]) < POINTS_PER_OUTLINE, axis=1)
-        by_theta = np.where(self.is_in_view[:, None, None], by_theta, 0.0)
         gradient = (by_theta @ (weight * self.offset_px)[..., None])[..., 0]
         return (by_theta * weight[:, None]) @ by_theta.swapaxes(1, 2), gradient
 
@@ -69,11 +67,15 @@ class MeasuredSteps:
         """Of the only body; None where it is not in view, or the view's pose is exact."""
         if not self.is_in_view[0]:
             return None
-        by_theta = derivatives_by_theta(self.bodies, self.sights, self.places, with_nearness)[0]
+        by_theta, weight = self._by_theta(with_nearness)[0], self.weight(loss_factor)[0]
         places = self.places.points.reshape(-1, 2), self.places.normals.reshape(-1, 2)
-        return PoseEquations.of(
-            self.bodies[0], self.view, places, by_theta, self.weight(loss_factor)[0], self.offset_px[0]
-        )
+        return PoseEquations.of(self.bodies[0], self.view, places, by_theta, weight, self.offset_px[0])
+
+    @once_for_each
+    def _by_theta(self, with_nearness: bool) -> Float:
+        """(n, split + q, r) derivatives by theta of the points' outward movement; 0 for a body that is not in view."""
+        by_theta = derivatives_by_theta(self.bodies, self.sights, self.places, with_nearness)
+        return np.where(self.is_in_view[:, None, None], by_theta, 0.0)
 
     def costs(self) -> tuple[Float, Float, Float]:
         """(n, 1 + l) of each outline: squared distances in sigmas, each MISSED at most, and the number of points that

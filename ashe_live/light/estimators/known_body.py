@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, without
 from ashe_live.core.light import Illumination, Light, LightEstimate, StageClock
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import radius_of_68_percent
@@ -102,7 +102,7 @@ def _illumination(seen: Seen, found: Sequence[FoundLight], dark: Float, tracked:
 
     dark: (l, 3) part of the table's light that each light gives, R, G, B.
     """
-    stated = [_sun_beside_folds(seen, each, [one for one in found if one is not each]) for each in found]
+    stated = [_sun_beside_folds(seen, each, without(found, [each])) for each in found]
     lights = [_light_of(each, taken, tracked) for each, taken in zip(stated, dark, strict=True)]
     sky = open_sky_rgb(seen, found, dark)
     slope = sky_slope_rgb(seen, found, dark, sky)

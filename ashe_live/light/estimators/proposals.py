@@ -27,7 +27,7 @@ from ashe_live.light.labels.two_lights import (
     are_two_shadows,
     cost_reduction,
     likeliest_pairs,
-    materials_of_two,
+    materials_of_each,
     separated_shadows,
 )
 from ashe_live.light.views.joint.log_odds import plane_support
@@ -55,8 +55,7 @@ def proposals_of(
     tried += _beside_paler_shadows(region, likely)
     tried += list(_within_areas_of_one_colour(region, ground, tried))
     pairs = likeliest_pairs(region, ground, paired, PAIRS)
-    single = {i: materials_of(region, ground, paired[i]) for i in sorted({i for pair in pairs for i in pair})}
-    both = (materials_of_two(region, ground, single[i], single[j]) for i, j in pairs)
+    both = (materials_of_each(region, ground, [paired[i], paired[j]]) for i, j in pairs)
     tried += [(each, shadow_like(region, ground, each.shifts)) for each in both if each is not None]
     for materials, look in tried:
         yield from _proposed(region, materials, splits(region, materials, look, SHADOWS_PER_SHIFT, flat))

@@ -216,7 +216,7 @@ def _shows_sky_alone(choice: Choice) -> bool:
     """Whether the choice's shadows are only where its body hides the sky, in the first view that shows it."""
     best = choice.explanation
     lights = np.array([light.light for light in best.lights])
-    seeming = [-float(shift[0]) for shift in best.materials.shifts[: len(lights)]]
+    seeming = [-float(shift[0]) for shift in best.shifts]
     each_view = (depths_beyond_sky(view.fine, best.proxy, lights) for view in choice.look.views)
     depths = next((depths for depths in each_view if any(depth is not None for depth in depths)), None)
     return depths is not None and is_of_sky_alone(depths, seeming)

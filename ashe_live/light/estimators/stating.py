@@ -23,7 +23,6 @@ from ashe_live.light.explanation.penumbra import size_of
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import LitGround, lit_rgb
 from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_of_known_shadow
-from ashe_live.light.lamps.hypotheses import is_held_near
 from ashe_live.light.lamps.kinds import AUTO, SUN
 from ashe_live.light.lamps.lamp import PictureContext, stated
 
@@ -103,9 +102,9 @@ def _with_mean_light(choice: Choice) -> Explanation:
     Two lights, a lamp, a hull's light, and that of several views, which is a mean of its families, stay as they are.
     """
     best = choice.explanation
-    if len(choice.look.views) > 1 or len(best.lights) > 1 or is_held_near(best) or best.hull is not None:
+    if len(choice.look.views) > 1 or len(best.lights) > 1 or best.lights[0].is_lamp or best.hull is not None:
         return best
-    suns = [(each, probability) for each, probability in choice.alike if not is_held_near(each)]
+    suns = [(each, probability) for each, probability in choice.alike if not each.lights[0].is_lamp]
     directions, probabilities = zip(*((each.lights[0].to_light_marker, one) for each, one in suns), strict=True)
     return replace(best, lights=(averaged(best.lights[0], np.array(directions), np.array(probabilities)),))
 

@@ -21,7 +21,6 @@ from ashe_live.light.views.joint.aligned import (
     JointStart,
     explained_in_views,
     in_each_view,
-    lit_body_of,
     towards_light,
     turned_from,
 )
@@ -133,17 +132,17 @@ def _start_in(views: Sequence[SceneView], home: SceneView, one: Explanation, reg
 
     None where the first of them does not: masks and body are to be that view's.
     """
-    lit, shifts = lit_body_of(one)
-    first, *others = (one.costs if view is home else costs_around(lit, shifts, view, region_px) for view in views)
-    return None if first is None else JointStart(one, lit, [first, *(each for each in others if each is not None)])
+    around = (one.costs if view is home else costs_around(one.lit, one.shifts, view, region_px) for view in views)
+    first, *others = around
+    return None if first is None else JointStart(one, one.lit, [first, *(each for each in others if each is not None)])
 
 
 def _start_also_in(views: Sequence[SceneView], explanation: JointExplanation, region_px: int) -> JointStart:
     """An explanation of other views, to be aligned in those of the views that show it as well."""
-    lit, shifts = lit_body_of(explanation.joint)
-    more = (costs_around(lit, shifts, view, region_px) for view in views)
+    joint = explanation.joint
+    more = (costs_around(joint.lit, joint.shifts, view, region_px) for view in views)
     costs = [*(each.costs for each in explanation.each), *(each for each in more if each is not None)]
-    return JointStart(explanation.origin, lit, costs)
+    return JointStart(explanation.origin, joint.lit, costs)
 
 
 def _sharpened_if_corroborating(

@@ -50,6 +50,11 @@ class Explanation:
         return Costs(self.region, self.materials, self.as_object)
 
     @property
+    def shifts(self) -> tuple[Float, ...]:
+        """(3,) each light's shift of the ground's colours in its shadow."""
+        return self.materials.shifts[: len(self.lights)]
+
+    @property
     def lit(self) -> LitBody:
         """The fitted body with its lights."""
         return self.alignment.placed.lit

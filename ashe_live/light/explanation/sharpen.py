@@ -145,4 +145,4 @@ def _likeliest(several: Sequence[_Sharp]) -> _Sharp | None:
 
 def shifts_of(explanation: Explanation) -> list[float]:
     """Each light's shift of the log of brightness in its shadow; negative."""
-    return [float(shift[0]) for shift in explanation.materials.shifts[: len(explanation.lights)]]
+    return [float(shift[0]) for shift in explanation.shifts]

@@ -15,7 +15,7 @@ from ashe_live.core.arrays import Float, Float32, Image, Mask, median
 from ashe_live.light.ground.preset import COARSE, GroundPreset
 from ashe_live.light.ground.sheen import sheen_on, without_sheen
 from ashe_live.light.ground.slow_shading import LightFall, field_beside, robust_trend, slow_bases
-from ashe_live.light.pixels.areas import cleaned, grown, large_areas, resized, shrunk, smoothed
+from ashe_live.light.pixels.areas import cleaned, grown, large_areas, resized, sampled, shrunk, smoothed
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
 from ashe_live.light.pixels.mixtures import Mixture, clusters, mixture_of, nearest_centres, nearest_squared_distance
 from ashe_live.light.pixels.view import View, Window
@@ -28,7 +28,8 @@ SAMPLES, LEAST_SAMPLES = 2000, 500
 # is the ground's, below RARE it is rare.
 WIDE, WIDE_OF_TYPICAL = 0.3, 0.6
 RARE, RARE_OF_TYPICAL = 0.35, 0.75
-NEAR_PX = 3  # the reach of the smoothing of `squared_distance`
+SMOOTHING_PX, NEAR_PX = 0.7, 3  # standard deviation of the smoothing of `squared_distance`, and its reach
+WIDENING = 1.3  # factor on the covariances of the palette's components
 # Scale at which colours are averaged, and the least area there, in pixels, of an object found by its mean colour.
 AVERAGED, LEAST_AVERAGED_PX = 1 / 3, 12
 # Log odds of lying on the plane below which a pixel is something that stands there, if its colour is unusual for the
@@ -82,7 +83,7 @@ def fit_lit_ground(
     field, spread = _wider_spread(colours, bases, is_ground, preset.spread_colours)
     typical, spread = median(spread[is_ground]), smoothed(spread)
     lit = is_ground & (spread > min(WIDE, WIDE_OF_TYPICAL * typical))
-    chosen = _samples(shrunk(lit, 1))
+    chosen = sampled(shrunk(lit, 1), SAMPLES)
     if len(chosen) < LEAST_SAMPLES:
         return None
     values, slow = colours.reshape(-1, 3)[chosen], bases[chosen]
@@ -90,7 +91,7 @@ def fit_lit_ground(
     for _ in range(preset.field_rounds):
         labels, centres = clusters(values - slow @ field, preset.palette_colours, labels)
         field = field_beside(values - centres[labels], slow, field)
-    palette = mixture_of(values - slow @ field, preset.palette_colours, widening=1.3, start=labels)
+    palette = mixture_of(values - slow @ field, preset.palette_colours, WIDENING, labels)
     if palette is None:
         return None
     flat = colours - (bases @ field).reshape(colours.shape)
@@ -99,7 +100,7 @@ def fit_lit_ground(
     squared = np.zeros(lit.shape, np.float32)
     distances = nearest_squared_distance(flat[near], palette.centres, palette.covariances)
     squared[near] = np.minimum(distances, MOST_DISTANCE)
-    squared_distance = np.asarray(cv2.GaussianBlur(squared, (0, 0), 0.7), dtype=np.float32)
+    squared_distance = np.asarray(cv2.GaussianBlur(squared, (0, 0), SMOOTHING_PX), dtype=np.float32)
     sheen = sheen_on(flat, squared_distance, is_ground, palette)
     return LitGround(flat, field, palette, rare, squared_distance, sheen, fall)
 
@@ -117,7 +118,7 @@ def ground_colours(image_bgr: Image, ground: LitGround, window: Window) -> Float
 
 def lit_rgb(ground: LitGround) -> Float:
     """(3,) mean linear RGB of the lit ground, as the camera took it."""
-    palette = ground.palette if ground.taken is None else ground.taken.palette
+    palette = (ground.taken or ground).palette
     return np.asarray(np.average(linear_rgb(palette.centres), axis=0, weights=palette.weights))
 
 
@@ -166,17 +167,9 @@ def with_unlit_on_average(unlit: Mask, view: View) -> Mask:
     return unlit | (thick & view.is_ground)
 
 
-def _samples(mask: Mask) -> NDArray[np.intp]:
-    """Up to SAMPLES flat indices of `mask`, chosen at random but always the same."""
-    inside = np.flatnonzero(mask)
-    if len(inside) <= SAMPLES:
-        return inside
-    return np.sort(np.random.default_rng(0).choice(inside, SAMPLES, replace=False))
-
-
 def _wider_spread(colours: Float32, bases: Float32, is_ground: Mask, count: int) -> tuple[Float32, Float32]:
     """(b, 3) the slow field, or zeros, whichever spreads the ground's colours more widely; and that spread (h, w)."""
-    chosen, cells = _samples(is_ground), _cells(is_ground.shape).ravel()
+    chosen, cells = sampled(is_ground, SAMPLES), _cells(is_ground.shape).ravel()
     values, slow = colours.reshape(-1, 3)[chosen], bases[chosen]
 
     def typical(labels: NDArray[np.intp]) -> float:

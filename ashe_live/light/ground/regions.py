@@ -13,7 +13,7 @@ from ashe_live.core.camera import scaled_pixels
 from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.light.ground.lit_ground import MOST_DISTANCE, LitGround, ground_colours
 from ashe_live.light.ground.surroundings import stands_inside, surroundings_in
-from ashe_live.light.pixels.areas import closed, distance_to, grown, labelled, majority, resized, shrunk
+from ashe_live.light.pixels.areas import closed, distance_to, grown, labelled, majority, resized, shrunk, smoothed
 from ashe_live.light.pixels.mixtures import Quantised, nearest_squared_distance
 from ashe_live.light.pixels.view import View, Window
 
@@ -223,7 +223,7 @@ def _unlit(colours: Float32, ground: LitGround, area: Mask, is_ground: Mask) -> 
     """(h, w) each: the pixels in and around `area` that the lit ground does not explain; those that it nearly does."""
     palette = ground.palette
     squared = nearest_squared_distance(colours.reshape(-1, 3), palette.centres, palette.covariances).reshape(area.shape)
-    smooth = cv2.GaussianBlur(np.minimum(squared, MOST_DISTANCE), (0, 0), 0.8)
+    smooth = smoothed(np.minimum(squared, MOST_DISTANCE))
     nearby, inside = grown(area, 2) & is_ground, shrunk(area, 1) & is_ground
     unlit = majority(((smooth > UNLIT_DISTANCE) & nearby) | inside)
     return unlit, unlit & ~majority(smooth > FAINT_DISTANCE)

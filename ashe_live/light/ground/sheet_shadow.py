@@ -101,12 +101,11 @@ def sheet_shadow_in(view: View) -> SheetShadow | None:
         return None
     luminance = (cv2.LUT(view.image_bgr, LINEAR_FROM_SRGB_8BIT) @ LUMINANCE_BGR).astype(np.float32)
     lines = _Lines(luminance, image_from_plane(view.camera, view.T_cam_marker), view.side_m)
-    sheet = view.sheet
     edge = _edge_response(lines)
     if edge is None:
         return None
-    ends = (sheet.right, sheet.above, sheet.left, sheet.below)
-    strips = np.array([_strip(lines, side, end - ADDED, edge) for side, end in enumerate(ends)])
+    ends = (view.sheet.ends - ADDED).tolist()
+    strips = np.array([_strip(lines, side, end, edge) for side, end in enumerate(ends)])
     seen = np.isfinite(strips[:, 0])
     if not seen.any():
         return None

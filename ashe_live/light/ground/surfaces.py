@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float32, Image, Mask
+from ashe_live.light.pixels.areas import labelled
 from ashe_live.light.pixels.log_colour import log_opponent
 
 TEXTURE_PX = 7  # side of the median that takes out what is, blurred, thinner than half of it
@@ -33,15 +34,14 @@ def areas_of(part: Mask, ground: Mask) -> NDArray[np.int32]:
 
     Small ones are none. A `ground` (h, w) of which all of them cover too little is one area.
     """
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(part.astype(np.uint8), connectivity=4)
-    sizes, of_ground = stats[:, cv2.CC_STAT_AREA], np.count_nonzero(ground)
-    sizes[0] = 0
+    labels, sizes = labelled(part, connectivity=4)
+    of_ground = np.count_nonzero(ground)
     large = [i for i in np.argsort(-sizes, kind="stable") if sizes[i] > LEAST_SHARE * of_ground]
     if sizes[large].sum() < LEAST_COVERED * of_ground:
         return ground.astype(np.int32)
-    numbers = np.zeros(count, np.int32)
+    numbers = np.zeros(len(sizes), np.int32)
     numbers[large] = np.arange(1, len(large) + 1)
-    return np.asarray(numbers[labels], dtype=np.int32)
+    return numbers[labels]
 
 
 def _steps(image_bgr: Image) -> Float32:

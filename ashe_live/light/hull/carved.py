@@ -89,15 +89,11 @@ class Carved:
         shadows = self.centres[:, :2] - self.centres[:, 2:] * displacement_of(to_light)
         at = _cells_of(shadows, self.plane_low, self.box.voxel_m, self.plane_shape)
         kept = ~self.lit[at]
-        darkened = np.zeros(len(self.lit), np.uint8)
-        darkened[at[kept]] = 1
-        plane = darkened[:-1].reshape(self.plane_shape)
-        darkened[:-1] = cv2.morphologyEx(plane, cv2.MORPH_CLOSE, CLOSING).ravel()
-        darkened[-1] = 0
+        darkened = np.append(_filled(at[kept], self.plane_shape), False)
         cost, masks = 0.0, []
         for view, pixels, cells in zip(self.views, self.pixels, self.cells, strict=True):
             body = _filled(pixels[kept], view.as_lit.shape)
-            shadow = (darkened[cells] > 0) & ~body
+            shadow = darkened[cells] & ~body
             cost += view.cost(body, shadow)
             masks.append(Predicted(body, shadow))
         return InLight(cost, kept, masks)
@@ -182,7 +178,7 @@ def _in_frame(view: Labelled, H: Float, shape: tuple[int, int]) -> Mask:
 
 
 def _filled(pixels: NDArray[np.intp], shape: tuple[int, ...]) -> Mask:
-    """(h, w) the pixels of these indices, the last of which stands for none, without gaps."""
+    """(h, w) the pixels or cells of these indices, the last of which stands for none, without gaps."""
     mask = np.zeros(shape[0] * shape[1] + 1, np.uint8)
     mask[pixels] = 1
     return np.asarray(cv2.morphologyEx(mask[:-1].reshape(shape), cv2.MORPH_CLOSE, CLOSING) > 0)

@@ -45,7 +45,7 @@ def with_hull(explanation: JointExplanation, sharpener: Sharpener) -> JointExpla
     """
     joint = explanation.joint
     span = span_rad([view_direction(each.region.view.T_cam_marker) for each in explanation.each])
-    is_sun = len(joint.lights) == 1 and joint.lights[0].light[3] == 0
+    is_sun = len(joint.lights) == 1 and not joint.lights[0].is_lamp
     seen = np.mean([share_seen(each) for each in explanation.each])
     if not is_sun or span < LEAST_SPAN_RAD or seen < LEAST_SEEN:
         return explanation

@@ -12,6 +12,7 @@ from ashe_live.core.transforms import angle_between, normalised, tangent_basis
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.hull.carved import Carved, InLight
 from ashe_live.light.hull.measured import shape_and_shadow
+from ashe_live.light.hull.supports import ShadowLines, SupportFunction
 from ashe_live.light.views.joint.average_light import log_likelihoods_by_pixels
 
 COARSE_RAD, COARSE = math.radians(4.0), 5  # step of the first grid of directions, and steps to each side
@@ -48,15 +49,15 @@ def light_of_hull(hull: Carved, start: Float) -> HullLight | None:
     if shape is None:
         return None
     support, shadow = shape
-    by_tangents = np.array([support.log_likelihood(shadow, each) for each in around])
+    by_tangents = _log_likelihood_by_tangents(support, shadow, around)
     shadow = support.without_outliers(shadow, around[int((by_pixels + by_tangents).argmax())])
-    by_tangents = np.array([support.log_likelihood(shadow, each) for each in around])
+    by_tangents = _log_likelihood_by_tangents(support, shadow, around)
     if (by_pixels + by_tangents).max() < by_pixels.max() + by_tangents.max() - MOST_APART:
         return None
     mean, covariance = _posterior(around, by_pixels + by_tangents)
     step = max(FINE_SIGMAS * math.sqrt(float(np.trace(covariance)) / 2), FINEST_RAD)
     around = _grid(mean, step, FINE)
-    by_tangents = np.array([support.log_likelihood(shadow, each) for each in around])
+    by_tangents = _log_likelihood_by_tangents(support, shadow, around)
     mean, covariance = _posterior(around, _log_likelihood_by_pixels(hull, around) + by_tangents)
     return HullLight(mean, covariance, hull.in_light(mean)) if angle_between(mean, start) < GOOD_RAD else None
 
@@ -65,6 +66,10 @@ def _log_likelihood_by_pixels(hull: Carved, directions: Sequence[Float]) -> Floa
     several = [hull.in_light(each) for each in directions]
     best = min(several, key=attrgetter("cost"))
     return log_likelihoods_by_pixels([seen.cost for seen in several], best.masks)
+
+
+def _log_likelihood_by_tangents(support: SupportFunction, shadow: ShadowLines, directions: Sequence[Float]) -> Float:
+    return np.array([support.log_likelihood(shadow, each) for each in directions])
 
 
 def _grid(middle: Float, step_rad: float, steps: int) -> list[Float]:

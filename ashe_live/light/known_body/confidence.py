@@ -7,7 +7,7 @@ from statistics import NormalDist
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, without
 from ashe_live.light.known_body.candidates import APART_RAD
 from ashe_live.light.known_body.found_light import FoundLight, hidden_step, images_beside, points_of
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
@@ -55,7 +55,7 @@ def with_confidence(
     dark_rgb: (3,) part of the table's light that it gives. alone: what is seen before any light was known. ruled_out:
     lights (4,) that there are not.
     """
-    others = [other for other in among if other is not one]
+    others = without(among, [one])
     darkening = float(dark_rgb.mean())
     images = images_beside(seen, others)
     if others and one.fit is not None:

@@ -79,7 +79,7 @@ class FoundLight:
 
 def masks_of(seen: Seen, found: Sequence[FoundLight]) -> tuple[Mask, Mask]:
     """(h, w) of the first picture each: the body, and its shadows."""
-    silhouettes = predicted(seen.body, np.array([each.casting for each in found]), seen.photos[0].view)
+    silhouettes = predicted(seen.body, points_of(found), seen.photos[0].view)
     return silhouettes.body, silhouettes.shadow
 
 
@@ -113,7 +113,7 @@ def darkenings_rgb(seen: Seen, found: Sequence[FoundLight], least_size_rad: floa
     steps = [_step_rgb(seen.showing(one.casting), one, without(found, [one]), least_size_rad) for one in found]
     if all(step is not None for step in steps):
         return np.array(steps)
-    overall = seen.darkenings_rgb(np.array([each.casting for each in found]))
+    overall = seen.darkenings_rgb(points_of(found))
     return np.array([by_all if step is None else step for step, by_all in zip(steps, overall, strict=True)])
 
 

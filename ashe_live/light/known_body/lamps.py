@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, without
 from ashe_live.light.known_body.found_light import FoundLight, images_beside, points_of
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.outline.by_edges import ByEdges, by_edges
@@ -55,11 +55,10 @@ def as_lamps(seen: Seen, found: Sequence[FoundLight], decided: int = 0) -> list[
     decided: the number of lights, the first ones, that have been through this before, without some of the others: their
     angular sizes are known.
     """
-    lights = []
-    for number, one in enumerate(found):
-        size_rad = one.size_rad if number < decided else None
-        lights.append(_as_lamp(seen, one, [other for other in found if other is not one], size_rad))
-    return lights
+    return [
+        _as_lamp(seen, one, without(found, [one]), one.size_rad if number < decided else None)
+        for number, one in enumerate(found)
+    ]
 
 
 def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad: float | None) -> FoundLight:

@@ -7,7 +7,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Mask, without
 from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.candidates import APART_RAD, MOST_IN_VIEW, Candidates, mean_near
 from ashe_live.light.known_body.confidence import LOG_NONE_FURTHER, NEAR_RAD, with_confidence
@@ -49,7 +49,7 @@ def lights_of(seen: Seen) -> Found:
     """The lights of one picture or several, found one after the other; none where nothing says that there is one."""
     alone = seen.beside(NO_LIGHTS)
     steps = seen.rims(NO_LIGHTS).cautious
-    first = Candidates(seen, alone, images_beside(seen, ()), alone.everywhere.log_likelihood, steps)
+    first = Candidates(seen, alone, seen.edge_images, alone.everywhere.log_likelihood, steps)
     candidates, ruled_out = first.refined()
     scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
     # Also that of a shadow which cannot be the body's, as its edges should be seen and are not.
@@ -201,10 +201,10 @@ def _refitted(seen: Seen, found: Sequence[FoundLight]) -> list[FoundLight]:
     """Each light fitted again, beside the others' shadows."""
     dark = darkenings_rgb(seen, found).mean(axis=1)
     fitted_again = []
-    for number, (one, darkening) in enumerate(zip(found, dark, strict=True)):
+    for one, darkening in zip(found, dark, strict=True):
         fit = None
         if one.fit is not None and one.fit.light[3] == 0:  # lamps are fitted as such afterwards
-            image = images_beside(seen, [*found[:number], *found[number + 1 :]]).of(one.fit.view)
+            image = images_beside(seen, without(found, [one])).of(one.fit.view)
             fit = fitted(image, one.casting, float(darkening), size_rad=one.size_rad)
         if fit is None or normalised(fit.light[:3]) @ normalised(one.casting[:3]) < math.cos(APART_RAD):
             fitted_again.append(replace(one, darkening=float(darkening)))

@@ -156,10 +156,11 @@ class MarginalLikelihood:
             information = by_map + (weighted[:, None] * reached).sum(axis=2)
             pull = pull_of_map + (weighted * sides.residual[:, None]).sum(axis=1)
             if sides.by_level.any():  # the level facet's light, which all sides share, is marginalised out
-                shared = (weighted * sides.by_level[:, None]).sum(axis=1) / sides.level_information(variance)
-                by_level = sides.by_level[:, None] * ~sides.is_clipped[:, None] / variance
-                information -= shared[:, None] * (weighted * sides.by_level[:, None]).sum(axis=1)
-                pull -= shared * (by_level * sides.residual[:, None]).sum(axis=0)
+                by_level = sides.by_level[:, None]
+                both = (weighted * by_level).sum(axis=1)
+                shared = both / sides.level_information(variance)
+                information -= shared[:, None] * both
+                pull -= shared * (by_level / variance * sides.residual[:, None]).sum(axis=0)
             darkenings, log_determinant = _solved(information, pull)
             darkenings = darkenings.clip(0.0, MOST_DARKENING)
             darkenings /= np.maximum(darkenings.sum(axis=0) / MOST_DARKENING, 1.0)

@@ -180,7 +180,6 @@ class Seen:
         pictures = [photo.beside(self.templates.rims, known) for photo in self.photos]
         return steps_in(pictures, darkenings[:, -1], sky, DEEP)
 
-    @cached_by_array
     def darkenings_rgb(self, lights: Float) -> Float:
         """(l, 3) part of the table's light, R, G, B, that each of lights (l, 4) gives, by the map and the sides."""
         known, nothing = self.lit(lights), self.lit(lights[:0])

@@ -17,7 +17,7 @@ from ashe_live.light.pixels.areas import shrunk, smoothed
 from ashe_live.light.pixels.log_colour import FROM_OPPONENT, OPPONENT
 from ashe_live.light.pixels.mixtures import UNEXPLAINED, Mixture, cost, mixture_of
 
-OBJECT_COLOURS = 4
+OBJECT_COLOURS, WIDENING = 4, 1.2  # components of the object's mixture, and a factor on their covariances
 # Pairs of the share of its light that a pixel of ground may have lost of what the shadow takes, and the extra cost of
 # that share: a penumbra and the pixel's own width mix lit and shadowed ground, half of either where the border is, and
 # near the object the sky is hidden as well.
@@ -124,7 +124,7 @@ def object_cost(region: Region, mask: Mask, materials: Materials | None = None) 
     if len(inside) < FEWEST_COLOURS:
         return np.full(mask.shape, UNEXPLAINED, np.float32)
     samples = region.colours.reshape(-1, 3)[inside[:: len(inside) // MOST_COLOURS + 1]]
-    mixture = mixture_of(samples, OBJECT_COLOURS, 1.2)
+    mixture = mixture_of(samples, OBJECT_COLOURS, WIDENING)
     if mixture is None:
         return np.full(mask.shape, UNEXPLAINED, np.float32)
     return smoothed(region.quantised.as_picture(cost(region.quantised.colours, mixture)))

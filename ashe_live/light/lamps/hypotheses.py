@@ -120,7 +120,7 @@ class LampHypotheses:
         A lamp's own nearness is tried beside that which the fall of light asks for in the sun's direction: a sun's
         direction is not the lamp's, and the fall of light changes with it.
         """
-        if not is_held_near(explanation):
+        if not explanation.lights[0].is_lamp:
             return _decided(explanation, self.evidence(explanation, fit, sharpener))
         nearness = float(nearness_of(explanation.lights[0].light))
         sun, lamp = (fitted_near(explanation, each, fit, sharpener) for each in (0.0, nearness))
@@ -168,11 +168,6 @@ def _decided(sun: Explanation, evidence: LampEvidence) -> Explanation:
     if evidence.lamp is None:
         return sun
     return evidence.lamp if evidence.is_lamp else replace(sun, sun_by_outlines=evidence.by_outlines)
-
-
-def is_held_near(explanation: Explanation) -> bool:
-    """Whether an explanation's first light is a lamp."""
-    return bool(nearness_of(explanation.lights[0].light) > 0)
 
 
 def _by_outlines(sun: Explanation, lamp: Explanation) -> float:

@@ -25,7 +25,7 @@ from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.lamps.companions import companions
 from ashe_live.light.lamps.doubt import with_doubt
 from ashe_live.light.lamps.fall.fall_off import fall_beside
-from ashe_live.light.lamps.hypotheses import LampHypotheses, is_held_near
+from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
 from ashe_live.light.lamps.mixture import PlaceMixture
 from ashe_live.light.lamps.near_fits import fitted_near
@@ -124,7 +124,7 @@ def stated(
             seen = replace(seen, objects=[first, *others])
             place = place_by_all(seen)
             from_sun = max(from_sun, place_seen_from_a_sun(seen), key=attrgetter("standard_errors"))
-    if kind == LAMP or is_held_near(explanation) or _is_lamp(seen, place, from_sun, scene):
+    if kind == LAMP or explanation.lights[0].is_lamp or _is_lamp(seen, place, from_sun, scene):
         as_lamp = _stated_as_lamp(seen, place, kind, scene)
         if as_lamp is not None:
             return as_lamp

@@ -17,7 +17,7 @@ from ashe_live.light.shape.directions import (
     information_on_displacement,
     with_hemisphere_prior,
 )
-from ashe_live.light.shape.layout import lamp_parameters, nearness_of
+from ashe_live.light.shape.layout import lamp_parameters
 from ashe_live.light.shape.light_points import cast_on_ground
 
 MOST_SHARE, LEAST_SHARE = 0.98, 0.02  # of all light on the plane that is a light's
@@ -56,13 +56,13 @@ class SeenObject:
     @property
     def as_sun(self) -> FittedLight:
         """The first light, if it is at infinity, with the covariance of all causes."""
-        light = self.explanation.lights[0].light
-        if not nearness_of(light):
-            return FittedLight(light, self.covariance_rad2)
+        fitted = FittedLight(self.explanation.lights[0].light, self.covariance_rad2)
+        if not fitted.is_lamp:
+            return fitted
         # A lamp's direction at the marker is not that in which the object sees it.
         displacement = self.place.at_infinity[:2]
         slope = direction_by_displacement(displacement)
-        covariance = np.linalg.inv(information_on_displacement(FittedLight(light, self.covariance_rad2)))
+        covariance = np.linalg.inv(information_on_displacement(fitted))
         return FittedLight(np.append(displacement, (1.0, 0.0)), slope @ covariance @ slope.T)
 
 

@@ -23,11 +23,11 @@ ITERATIONS, CONVERGED = 15, 1e-4  # at most; and the relative gain of the cost t
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TangentGaps:
-    """The gaps between the object's and the shadow's tangents on both sides, for n candidate lights."""
+    """The gaps between the object's and the shadow's tangents on both sides, for a candidate light."""
 
-    px: Float  # (n, 2) on the first and the second side
-    by_light: Float  # (n, 2, 2) derivatives by the light's displacement s
-    is_bound: Mask  # (n, 2) whether a gap is a mere bound, as an outline that is hidden or cut may extend further
+    px: Float  # (2,) on the first and the second side
+    by_light: Float  # (2, 2) derivatives by the light's displacement s
+    is_bound: Mask  # (2,) whether a gap is a mere bound, as an outline that is hidden or cut may extend further
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,14 +60,14 @@ def lights_refined_by_tangents(
         gradient, curvature, two_sided = information @ offset, information.copy(), information.copy()
         cost = float(offset @ gradient)
         for i, (shadow, foot) in enumerate(zip(outlines.shadows, feet, strict=True)):
-            light = layout.lights_of(candidate.ravel(), nearness)[i : i + 1]
+            light = layout.lights_of(candidate.ravel(), nearness)[i]
             gaps = tangent_gaps(P, outlines.body, shadow, light, foot)
-            error, slope, block = gaps.px[0] / sigma, gaps.by_light[0] / sigma, layout.light(i)
+            error, slope, block = gaps.px / sigma, gaps.by_light / sigma, layout.light(i)
             weight = 1 / (1 + (error / OUTLIER) ** 2)
             cost += float(OUTLIER**2 * np.log1p((error / OUTLIER) ** 2).sum())
             gradient[block] += slope.T @ (weight * error)
             curvature[block, block] += slope.T @ (weight[:, None] * slope)
-            two_sided[block, block] += slope.T @ (np.where(gaps.is_bound[0], 0.0, weight)[:, None] * slope)
+            two_sided[block, block] += slope.T @ (np.where(gaps.is_bound, 0.0, weight)[:, None] * slope)
         return _State(candidate, cost, gradient, curvature, two_sided)
 
     best = _cheapest(evaluated, fitted)
@@ -91,33 +91,36 @@ def _cheapest(evaluated: Callable[[Float], _State], start: Float) -> _State:
     return best
 
 
-def tangent_gaps(
-    P: Float, body: Silhouette, shadow: Silhouette, lights: Float, foot: Mask | None = None
-) -> TangentGaps:
-    """The gaps of n candidates for the shadow's light, lights (n, 4).
+def tangent_gaps(P: Float, body: Silhouette, shadow: Silhouette, light: Float, foot: Mask | None = None) -> TangentGaps:
+    """The gaps of a candidate (4,) for the shadow's light.
 
     P: (3, 4) pixels counted from the silhouettes' centre. foot: (2,) sides on which the object's tangent touches its
     foot, where it hides its own shadow. A gap that an outline's hidden or cut part explains is 0, and so is the gap of
     a vanishing point within the outlines, from which there are no tangents.
     """
     foot = np.zeros(2, dtype=np.bool_) if foot is None else foot
-    v = _vanishing_points(P, lights)
-    # A vanishing point at the outlines' centre has no direction; any will do, as its gaps are zeroed below.
-    v[:, 0] = np.where(np.abs(v[:, :2]).max(axis=1) < 1e-12 * np.abs(P[:, :3]).max(), 1e-9, v[:, 0])
+    v = _vanishing_point(P, light)
+    if _has_no_direction(v, P):
+        v[0] = 1e-9  # any direction will do, as its gaps are zeroed below
     one, other = _outermost(v, body), _outermost(v, shadow)
     # q is measured abreast of the centre; scaled so that gaps are in pixels where the tangents touch.
     scale = np.array([1.0, -1.0]) / np.hypot(1 / one.room, 1 / other.room)
     gaps = scale * (other.q - one.q)
     shadow_may_reach_further = ~other.certain | foot
-    outside = (one.least_room > NARROWEST) & (other.least_room > NARROWEST)
-    explained = (shadow_may_reach_further & (gaps < 0)) | (~one.certain & (gaps > 0)) | ~outside[:, None]
+    is_outside = min(one.least_room, other.least_room) > NARROWEST
+    explained = (shadow_may_reach_further & (gaps < 0)) | (~one.certain & (gaps > 0)) | (not is_outside)
     by_v = np.where(explained, 0.0, scale)[..., None] * (other.by_v - one.by_v)
     return TangentGaps(np.where(explained, 0.0, gaps), by_v @ P[:, :2], shadow_may_reach_further | ~one.certain)
 
 
-def _vanishing_points(P: Float, lights: Float) -> Float:
-    """(n, 3) the homogeneous images of lights (n, 4), divided by the lights' z."""
-    return np.asarray(light_parameters(lights) @ P[:, :2].T + P[:, 2] + nearness_of(lights)[:, None] * P[:, 3])
+def _vanishing_point(P: Float, light: Float) -> Float:
+    """(3,) the homogeneous image of a light (4,), divided by the light's z."""
+    return np.asarray(light_parameters(light) @ P[:, :2].T + P[:, 2] + nearness_of(light) * P[:, 3])
+
+
+def _has_no_direction(v: Float, P: Float) -> bool:
+    """Whether a vanishing point v (3,) is at the outlines' centre."""
+    return bool(np.abs(v[:2]).max() < 1e-12 * np.abs(P[:, :3]).max())
 
 
 def _touches_near_ground(P: Float, spheroids: Float, light: Float) -> Mask:
@@ -128,41 +131,38 @@ def _touches_near_ground(P: Float, spheroids: Float, light: Float) -> Mask:
     points = np.concatenate([rims, poles], axis=1).reshape(-1, 3)
     images = points @ P[:, :3].T + P[:, 3]
     pixels = images[:, :2] / np.maximum(images[:, 2:], 1e-3 * P[2, 3])
-    v = _vanishing_points(P, light[None])
-    if np.abs(v[0, :2]).max() < 1e-12 * np.abs(P[:, :3]).max():
+    v = _vanishing_point(P, light)
+    if _has_no_direction(v, P):
         return np.zeros(2, dtype=np.bool_)
-    ends = _outermost(v, Silhouette(pixels, np.ones(len(pixels), np.bool_))).index[0]
-    touched = points[ends, 2]
-    return np.asarray(touched < GROUNDED_SHARE * points[:, 2].max())
+    ends = _outermost(v, Silhouette(pixels, np.ones(len(pixels), np.bool_)))
+    return np.asarray(points[ends.index, 2] < GROUNDED_SHARE * points[:, 2].max())
 
 
 @dataclass(frozen=True, slots=True)
 class _Ends:
-    """The tangents from n vanishing points v to a silhouette, on its first and its second side."""
+    """The tangents from a vanishing point v to a silhouette, on its first and its second side."""
 
-    index: NDArray[np.intp]  # (n, 2) the corners that they touch
-    q: Float  # (n, 2) signed distance from the origin at which they cross the normal to the direction of v
-    room: Float  # (n, 2) distance from the corner to v along that direction, over the origin's (negative beyond v)
-    certain: Mask  # (n, 2) whether the silhouette truly ends at the corner
-    by_v: Float  # (n, 2, 3) derivative of q
-    least_room: Float  # (n,) over all corners
+    index: NDArray[np.intp]  # (2,) the corners that they touch
+    q: Float  # (2,) signed distance from the origin at which they cross the normal to the direction of v
+    room: Float  # (2,) distance from the corner to v along that direction, over the origin's (negative beyond v)
+    certain: Mask  # (2,) whether the silhouette truly ends at the corner
+    by_v: Float  # (2, 3) derivative of q
+    least_room: float  # over all corners
 
 
 def _outermost(v: Float, silhouette: Silhouette) -> _Ends:
-    """The tangents from vanishing points v (n, 3)."""
+    """The tangents from a vanishing point v (3,)."""
     points = silhouette.hull_px
-    length = np.hypot(v[:, :1], v[:, 1:2])
-    unit, nearness = v[:, :2] / length, v[:, 2:] / length
-    along = unit @ points.T
+    length = np.hypot(v[0], v[1])
+    unit, nearness = v[:2] / length, v[2] / length
+    along = points @ unit
     room = 1 - nearness * along
     span = length * np.where(np.abs(room) < 1e-9, 1e-9, room)
-    q = (v[:, :1] * points[:, 1] - v[:, 1:2] * points[:, 0]) / span
-    index = np.stack([q.argmax(axis=1), q.argmin(axis=1)], axis=1)
-    least_room = room.min(axis=1)
+    q = (v[0] * points[:, 1] - v[1] * points[:, 0]) / span
+    least_room, index = float(room.min()), np.array([q.argmax(), q.argmin()])
 
-    row = np.arange(len(v))[:, None]
-    along, room, span, q, touched = (*(each[row, index] for each in (along, room, span, q)), points[index])
-    turn = touched[..., ::-1] * np.array([1.0, -1.0])
-    by_span = unit[:, None] - nearness[:, None] * (touched - along[..., None] * unit[:, None])
-    by_v = np.concatenate([turn - q[..., None] * by_span, (q * along)[..., None]], axis=2) / span[..., None]
+    along, room, span, q, touched = (each[index] for each in (along, room, span, q, points))
+    turn = touched[:, ::-1] * np.array([1.0, -1.0])
+    by_span = unit - nearness * (touched - along[:, None] * unit)
+    by_v = np.column_stack([turn - q[:, None] * by_span, q * along]) / span[:, None]
     return _Ends(index, q, room, silhouette.certain[index], by_v, least_room)

@@ -92,14 +92,23 @@ def distance_to(mask: Mask) -> Float32:
     return np.asarray(cv2.distanceTransform(_bytes(~mask), cv2.DIST_L2, 3), dtype=np.float32)
 
 
+def sampled(mask: Mask, most: int) -> NDArray[np.intp]:
+    """Up to `most` flat indices of `mask`, chosen at random but always the same."""
+    inside = np.flatnonzero(mask)
+    return inside if len(inside) <= most else np.sort(np.random.default_rng(0).choice(inside, most, replace=False))
+
+
 def mean_nearby(values: Float32, mask: Mask, within_px: int) -> Float32:
-    """(h, w) mean of `values` over the `mask` in a square of half side `within_px` around each pixel; 0 of none."""
+    """(h, w, ...) mean of such values over the `mask` (h, w) in a square of half side `within_px` around each pixel.
+
+    0 where none of it is there.
+    """
     size = 2 * within_px + 1, 2 * within_px + 1
     total, count = (
         cv2.boxFilter(each, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
-        for each in (np.where(mask, values, np.float32(0)), mask.astype(np.float32))
+        for each in (cv2.copyTo(values, _bytes(mask)), mask.astype(np.float32))
     )
-    return np.asarray(total / np.maximum(count, 1), dtype=np.float32)
+    return np.asarray((total.T / np.maximum(count, 1).T).T, dtype=np.float32)  # of each channel
 
 
 def window_around(mask: Mask, margin_px: int) -> tuple[slice, slice]:

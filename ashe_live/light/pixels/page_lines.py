@@ -7,7 +7,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.light.pixels.sheet import PAPER_FROM, MarkerPicture
+from ashe_live.light.pixels.sheet import PAPER_FROM, MarkerPicture, lines_outwards
 
 # Distance from the marker's centre, in its sides, up to which paper's end is looked for: an A4 page ends at
 # most 5.4 sides from the middle of a marker of 50 mm, which other programs put into a corner.
@@ -91,9 +91,7 @@ class PageLines:
 def _places(outwards: Float, reaches: Sequence[float]) -> Float:
     """(4, lines, n, 2) places in the marker's sides, on lines beside each other up to reaches (4,), as in `of`."""
     right, above, left, below = reaches
-    out, y = np.meshgrid(outwards, np.linspace(-below, above, LINES))
-    x = np.meshgrid(outwards, np.linspace(-left, right, LINES))[1]
-    return np.stack([(out, y), (x, out), (-out, y), (x, -out)]).transpose(0, 2, 3, 1)  # right, above, left, below
+    return lines_outwards(outwards, np.linspace(-left, right, LINES), np.linspace(-below, above, LINES))
 
 
 def _medians(colours: Float32) -> Float32:
@@ -129,4 +127,5 @@ def largest_beside(size: Float) -> Float:
 
 
 def around(place: int) -> slice:
+    """The samples at which lines end together with one that ends there."""
     return slice(max(place - TOGETHER, 0), place + TOGETHER + 1)

@@ -47,7 +47,7 @@ def shaded_sheet_as_ground(picture: MarkerPicture, sheet: Sheet) -> tuple[Image,
     None where no shadow's edge crosses the paper beside the square, or where ink in the light cannot be told from
     paper in the shadow.
     """
-    ends = np.array([sheet.right, sheet.above, sheet.left, sheet.below])
+    ends = sheet.ends
     # A shadow's edge along a side may be taken for its end. Beyond the other sides' there is ground on all.
     farthest = np.full(4, ends.max())
     plane = _Plane.around(farthest, picture)

@@ -60,6 +60,11 @@ class Sheet:
     left: float = USUAL
     below: float = USUAL
 
+    @property
+    def ends(self) -> Float:
+        """(4,) right, above, left and below."""
+        return np.array([self.right, self.above, self.left, self.below])
+
     def corners(self, side_m: float) -> Float:
         """(4, 3) m, marker frame: the sheet's corners in order around it."""
         x0, x1, y0, y1 = -self.left, self.right, -self.below, self.above
@@ -76,9 +81,7 @@ def measured_sheet(picture: MarkerPicture) -> Sheet:
     A side whose end is not seen is taken to be like the others.
     """
     outwards = np.arange(PAPER_FROM, LARGEST_SHEET, STEP)
-    out, along = np.meshgrid(outwards, ALONG)
-    places = np.stack([(out, along), (along, out), (-out, along), (along, -out)])  # right, above, left, below
-    colours, is_ahead, is_seen = picture.colours_at(places.transpose(0, 2, 3, 1))
+    colours, is_ahead, is_seen = picture.colours_at(lines_outwards(outwards, ALONG, ALONG))
     if not is_ahead.all():
         return USUAL_SHEET
     paper = np.median(colours[:, :, outwards <= PAPER_TO], axis=2, keepdims=True)
@@ -87,6 +90,13 @@ def measured_sheet(picture: MarkerPicture) -> Sheet:
     known = [end + ADDED for end in ends if end is not None]
     others = float(np.median(known)) if known else USUAL
     return Sheet(*(others if end is None else end + ADDED for end in ends))
+
+
+def lines_outwards(outwards: Float, x: Float, y: Float) -> Float:
+    """(4, lines, n, 2) places so far (n,) right, above, left and below of the centre, on lines at x and y (lines,)."""
+    out, y = np.meshgrid(outwards, y)
+    x = np.meshgrid(outwards, x)[1]
+    return np.stack([(out, y), (x, out), (-out, y), (x, -out)]).transpose(0, 2, 3, 1)
 
 
 def _end(outwards: Float, change: Float) -> float | None:

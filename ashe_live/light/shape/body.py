@@ -60,7 +60,7 @@ class Body:
         spheroids[:, 3:] = np.abs(spheroids[:, 3:])  # radii enter squared, so their signs have no meaning
         return spheroids
 
-    @cached_property
+    @property
     def height(self) -> float:
         """Of its highest point, in the body frame."""
         return float((self.spheroids[:, 2] + self.spheroids[:, 4]).max())
@@ -72,7 +72,7 @@ class Body:
         spheroids[:, :2] += self.frame.origin_marker
         return Proxy(self.family.name, spheroids)
 
-    @cached_property
+    @property
     def middle_m(self) -> float:
         """Half of the body's height."""
         return 0.5 * self.proxy.height_m

@@ -35,6 +35,11 @@ class FittedLight:
         )
 
     @property
+    def is_lamp(self) -> bool:
+        """Whether it is near by."""
+        return bool(self.light[3] > 0)
+
+    @property
     def to_light_marker(self) -> Float:
         """(3,) the unit vector from the marker's centre towards the light."""
         return self.light[:3]

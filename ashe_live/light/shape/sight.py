@@ -1,7 +1,6 @@
 """A sight: a camera with its pose, as it sees bodies. Bodies are independent of it: many sights may see one body."""
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
@@ -24,7 +23,7 @@ class Sight:
         """The sight of a view, its pixels counted from the picture's corner."""
         return Sight(view.camera, view.T_cam_marker)
 
-    @cached_property
+    @property
     def P_marker(self) -> Float:
         """(3, 4) projection from the marker frame to pixels about `centre_px`."""
         P = self.camera.K @ self.T_cam_marker[:3]

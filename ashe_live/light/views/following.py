@@ -40,11 +40,11 @@ def follow(estimate: LightEstimate, tracked: TrackedFrame) -> LightEstimate | No
 
     The body stays as it is; the lights move until the shadows lie on their borders in the picture, lamps at their
     height. Their uncertainty comes mostly from the body, and stays as well. An estimate without a light or a body, or a
-    frame without a marker, gives None. The masks are left out. A body that stands below the marker's plane stands on
-    its own.
+    frame without a marker, gives None; so does a body that the marker is printed on, whose borders are not looked for.
+    The masks are left out. A body that stands below the marker's plane stands on its own.
     """
     body = estimate.illumination.real_object
-    if tracked.marker is None or body is None or not estimate.lights:
+    if tracked.marker is None or tracked.marker.body is not None or body is None or not estimate.lights:
         return None
     height_m = max(-_lowest(body), 0.0)
     by_ground = seen_from_marker(estimate.illumination, -height_m)

@@ -11,7 +11,7 @@ from ashe_live.light.explanation.explain import Proposal, explained, explained_n
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.labels.associate import Split
-from ashe_live.light.lamps.hypotheses import MOST_BY_OUTLINES, LampEvidence, LampHypotheses, is_held_near
+from ashe_live.light.lamps.hypotheses import MOST_BY_OUTLINES, LampEvidence, LampHypotheses
 from ashe_live.light.lamps.kinds import AUTO, SUN
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import nearness_of
@@ -41,7 +41,7 @@ def test_a_lamp_is_found_from_a_suns_explanation(ground: str, caster: Caster) ->
     here = painted_region(caster, ground=ground, lamp_m=LAMP_M)
     sun, sharpener = by_a_sun(here)
     lamp = hypotheses(here).decided(sun, FIT, sharpener)
-    assert is_held_near(lamp)
+    assert lamp.lights[0].is_lamp
     assert lamp.nearness is not None
     assert abs(nearness_of(lamp.lights[0].light) * LAMP_M[2] - 1) < 0.15
     assert np.degrees(angle_between(lamp.lights[0].to_light_marker, np.array(LAMP_M))) < 2.5
@@ -56,11 +56,11 @@ def test_a_lamp_that_is_known_stays_where_it_is(caster: Caster) -> None:
     tried = hypotheses(here)
     lamp = tried.decided(sun, FIT, sharpener)
     again = tried.decided(lamp, FIT, sharpener)
-    assert is_held_near(again)
+    assert again.lights[0].is_lamp
     assert again.criterion <= lamp.criterion + 1
     assert np.degrees(angle_between(again.lights[0].to_light_marker, np.array(LAMP_M))) < 2.5
     without_ground = hypotheses(here, SUN).decided(lamp, FIT, sharpener)
-    assert not is_held_near(without_ground)
+    assert not without_ground.lights[0].is_lamp
 
 
 @pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)

@@ -7,7 +7,6 @@ import pytest
 
 from ashe_live.core.light import Light
 from ashe_live.core.transforms import angle_between, direction_from_angles, tangent_basis
-from ashe_live.light.lamps.hypotheses import is_held_near
 from ashe_live.light.lamps.one_sun import by_all_objects, place_of_sun
 from ashe_live.light.lamps.sources import SeenObject
 from ashe_live.light.shape.directions import FittedLight
@@ -113,7 +112,7 @@ def test_what_a_lamps_explanation_says_of_a_sun_is_seen_from_its_object(caster: 
     here = painted_region(caster, ground="bricks", lamp_m=LAMP_M)
     sun, sharpener = by_a_sun(here)
     lamp = hypotheses(here).decided(sun, FIT, sharpener)
-    assert is_held_near(lamp)
+    assert lamp.lights[0].is_lamp
     body = lamp.lit.body
     from_object = np.array(LAMP_M) - (*body.frame.origin_marker, body.middle_m)
     assert angle_between(from_object, np.array(LAMP_M)) > math.radians(11)

@@ -36,14 +36,14 @@ def seen(scene: MaskedScene) -> tuple[Float, Outlines]:
 
 def test_they_meet_for_the_true_light_whatever_the_shape() -> None:
     P, outlines = seen(floating_scene())
-    gaps = tangent_gaps(P, outlines.body, outlines.shadows[0], at_infinity(LIGHT[None])).px
+    gaps = tangent_gaps(P, outlines.body, outlines.shadows[0], at_infinity(LIGHT)).px
     assert (np.abs(gaps) < 0.6).all()
 
 
 def test_they_meet_for_the_true_lamp_and_not_for_a_sun_in_its_direction() -> None:
     P, outlines = seen(floating_scene(LAMP))
-    sun = at_infinity((LAMP[:3] - (0.1, 0.0, 0.05))[None])
-    (gaps,), (wrong,) = (tangent_gaps(P, outlines.body, outlines.shadows[0], each).px for each in (LAMP[None], sun))
+    sun = at_infinity(LAMP[:3] - (0.1, 0.0, 0.05))
+    gaps, wrong = (tangent_gaps(P, outlines.body, outlines.shadows[0], each).px for each in (LAMP, sun))
     assert (np.abs(gaps) < 0.6).all()
     assert np.abs(wrong).max() > 2.0
 
@@ -61,13 +61,14 @@ def test_they_find_the_lamp_of_a_known_height() -> None:
 def test_they_part_for_a_wrong_one(azimuth_deg: float) -> None:
     P, outlines = seen(floating_scene())
     wrong = direction(azimuth_deg, 40.0)
-    gaps = tangent_gaps(P, outlines.body, outlines.shadows[0], at_infinity(wrong[None])).px
+    gaps = tangent_gaps(P, outlines.body, outlines.shadows[0], at_infinity(wrong)).px
     assert np.abs(gaps).max() > 3.0
 
 
-def test_their_derivatives_are_exact() -> None:
+@pytest.mark.parametrize("light", [(-1.0, 0.9, 1.0, 0.0), (-0.7, 0.8, 1.0, 0.0), (-1.4, 1.5, 1.0, 0.5)])
+def test_their_derivatives_are_exact(light: tuple[float, ...]) -> None:
     P, outlines = seen(floating_scene())
-    at = np.array([[-1.0, 0.9, 1.0, 0.0], [-0.7, 0.8, 1.0, 0.0], [-1.4, 1.5, 1.0, 0.5]])
+    at = np.array(light)
     by_light = tangent_gaps(P, outlines.body, outlines.shadows[0], at).by_light
     for axis, step in enumerate(1e-6 * np.eye(4)[:2]):
         ahead, back = (tangent_gaps(P, outlines.body, outlines.shadows[0], each).px for each in (at + step, at - step))
@@ -104,7 +105,7 @@ def test_a_shadow_that_is_cut_bounds_the_light_but_makes_it_no_more_certain() ->
 def test_a_light_behind_the_object_is_no_division_by_zero() -> None:
     P, outlines = seen(floating_scene())
     towards_centre = -np.linalg.inv(P[:, :3]) @ (0.0, 0.0, 1.0)
-    light = at_infinity(towards_centre[None])
+    light = at_infinity(towards_centre)
     gaps = tangent_gaps(P, outlines.body, outlines.shadows[0], light)
-    assert np.array_equal(gaps.px, np.zeros((1, 2)))
-    assert np.array_equal(gaps.by_light, np.zeros((1, 2, 2)))
+    assert np.array_equal(gaps.px, np.zeros(2))
+    assert np.array_equal(gaps.by_light, np.zeros((2, 2)))

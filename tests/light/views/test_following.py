@@ -103,6 +103,15 @@ def test_a_body_that_carries_the_marker_stands_there_and_its_shadow_may_be_gone(
     assert has_lost_shadows(known(), dataclasses.replace(tracked, marker=marker)) is (elevation_deg > 80)
 
 
+def test_a_body_that_carries_the_marker_is_not_followed_however_many_lights_it_has() -> None:
+    tracked = seen_from(90, BOX, ground="bricks")
+    assert tracked.marker is not None
+    carried = dataclasses.replace(tracked, marker=dataclasses.replace(tracked.marker, body=true_box()))
+    for count in (1, 2, 3):
+        lights = tuple(known(azimuth_deg).lights[0] for azimuth_deg in (200, 300, 60)[:count])
+        assert follow(LightEstimate("proxy", 3, Illumination(lights, real_object=true_box())), carried) is None
+
+
 def test_nothing_to_follow_is_nothing() -> None:
     tracked = seen_from(90, BOX)
     assert follow(known(), dataclasses.replace(tracked, marker=None)) is None

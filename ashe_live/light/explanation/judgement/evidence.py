@@ -103,7 +103,7 @@ def _flatness(explanation: Explanation) -> float:
 
 def _shading(explanation: Explanation) -> Shading:
     lights = [light.light for light in explanation.lights]
-    shadow_ratios = [math.exp(shift[0]) for shift in explanation.materials.shifts[: len(lights)]]
+    shadow_ratios = [math.exp(shift[0]) for shift in explanation.shifts]
     return shading_of(explanation.region, explanation.predicted.body, explanation.proxy, lights, shadow_ratios)
 
 

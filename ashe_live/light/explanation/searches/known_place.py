@@ -51,9 +51,7 @@ class Hint:
 def hints_of(explanations: Iterable[Explanation], count: int) -> list[Hint]:
     """The lights of explanations, the likeliest first, without those like an earlier one's; `count` at most."""
     hints = (
-        Hint(light.light, shift)
-        for each in explanations
-        for light, shift in zip(each.lights, each.materials.shifts, strict=False)
+        Hint(light.light, shift) for each in explanations for light, shift in zip(each.lights, each.shifts, strict=True)
     )
     return distinct(hints, lambda hint, other: bool(hint.light[:3] @ other.light[:3] >= SAME_LIGHT), count)
 
@@ -118,14 +116,9 @@ def _likely_places(
 
 def _best_of_cells(scores: Float, feet: Float, side_m: float) -> list[int]:
     """Of the feet (n, 2) in each square of the ground the one of the highest score (n,), the highest first."""
-    taken: set[tuple[int, int]] = set()
-    found = []
-    for index in np.argsort(-scores, kind="stable").tolist():
-        column, row = np.floor(feet[index] / side_m).astype(int).tolist()
-        if (column, row) not in taken:
-            taken.add((column, row))
-            found.append(index)
-    return found
+    order = np.argsort(-scores, kind="stable")
+    _, first = np.unique(np.floor(feet[order] / side_m), axis=0, return_index=True)
+    return list(order[np.sort(first)])
 
 
 def _gain(gain: Float32, whole: Region) -> Float32:

@@ -17,7 +17,7 @@ from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import shift_near
-from ashe_live.light.pixels.areas import grown
+from ashe_live.light.pixels.areas import grown, mean_nearby
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.layout import light_parameters, nearness_of
@@ -103,14 +103,8 @@ def _lights(azimuths: Float, lengths: Float) -> Float:
 
 def _unevenness(ground: LitGround, free: Mask, reach_px: float) -> Float32:
     """(h, w, 3) difference of each pixel's colour from the mean of the lit ground around it, clipped."""
-    lit = (free & (ground.squared_distance < LIT)).astype(np.float32)
-    size = (2 * int(reach_px) + 1,) * 2
-    count, total = (
-        cv2.boxFilter(values, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
-        for values in (lit, ground.colours * lit[..., None])
-    )
-    uneven = ground.colours - total / np.maximum(count, 1)[..., None]
-    return np.clip(uneven, DARKEST, BRIGHTEST)
+    around = mean_nearby(ground.colours, free & (ground.squared_distance < LIT), int(reach_px))
+    return (ground.colours - around).clip(DARKEST, BRIGHTEST)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

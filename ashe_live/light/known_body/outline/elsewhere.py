@@ -82,15 +82,9 @@ def _on_edges(
 
 def _log_odds(found: Profiles, count: int, darkening: float) -> Float:
     """Those of outlines with `count` points each, of which enough are seen, by their edges."""
-    shown, steps, weight, squares = (
-        each.reshape(-1, count).sum(axis=1)
-        for each in (
-            found.visible,
-            found.are_steps(darkening),
-            found.weights(darkening, 1.0),
-            found.weights(darkening, 1.0) * (found.offset_px / found.reach_px) ** 2,
-        )
-    )
+    weights = found.weights(darkening, 1.0)
+    by_point = found.visible, found.are_steps(darkening), weights, weights * (found.offset_px / found.reach_px) ** 2
+    shown, steps, weight, squares = (each.reshape(-1, count).sum(axis=1) for each in by_point)
     misfit_share = np.sqrt(squares / np.maximum(weight, 1e-9))
     log_odds = log_odds_of_places(EVERY * count, steps / np.maximum(shown, 1), misfit_share)
     return np.asarray(log_odds[shown >= LEAST_SEEN * count])

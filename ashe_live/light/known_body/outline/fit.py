@@ -54,8 +54,7 @@ class ShadowFit:
         profiles = self.profiles_in(image)
         if profiles is None:
             return self
-        clear = profiles.clear(darkening) if profiles.visible.any() else 0.0
-        return replace(self, clear=clear, seen=float(profiles.visible.mean()))
+        return replace(self, clear=profiles.clear(darkening), seen=float(profiles.visible.mean()))
 
 
 def fitted(
@@ -191,7 +190,7 @@ class _Round:
             size_rad=size_rad,
             misfit_px=math.sqrt(variance),
             misfit_share=math.sqrt(float((weight * (left_px / profiles.reach_px) ** 2).sum() / weight.sum())),
-            clear=profiles.clear(darkening) if profiles.visible.any() else 0.0,
+            clear=profiles.clear(darkening),
             seen=float(profiles.visible.mean()),
             view=view,
         )

@@ -72,8 +72,8 @@ class Profiles:
         return np.asarray(self.visible & (self.step > LEAST_STEP * darkening))
 
     def clear(self, darkening: float) -> float:
-        """Of the places that are visible, the part with a step; there must be some."""
-        return float(self.are_steps(darkening)[self.visible].mean())
+        """Of the places that are visible, the part with a step; 0 where none is."""
+        return float(self.are_steps(darkening)[self.visible].mean()) if self.visible.any() else 0.0
 
     def are_edges(self, darkening: float) -> Mask:
         """(m,) which of the outline's sides show steps at an independent place at least, and likelier are edges."""

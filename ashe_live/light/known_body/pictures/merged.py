@@ -9,7 +9,6 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.pictures.shots import Shot
 from ashe_live.light.known_body.sides.facets import Facets, facets_of
-from ashe_live.light.known_body.sides.shading import LEVEL_Z
 from ashe_live.light.known_body.table import TableMap
 
 
@@ -47,7 +46,7 @@ def merged_facets(shots: Sequence[Shot], body: Proxy) -> Facets:
     if not best:
         return several[0]
     chosen = list(best.values())
-    level = [facets.level_sigma for facets, _, number in chosen if facets.normals[number, 2] > LEVEL_Z]
+    level = [facets.level_sigma for facets, _, number in chosen if facets.is_level[number]]
     return Facets(
         normals=np.array([facets.normals[number] for facets, _, number in chosen]),
         light_rgb=np.array([gain * facets.light_rgb[number] for facets, gain, number in chosen]),
@@ -61,5 +60,5 @@ def merged_facets(shots: Sequence[Shot], body: Proxy) -> Facets:
 def _rank(seen: tuple[Facets, Float, int]) -> tuple[float, bool, float]:
     """By which a facet in a picture is ranked: the least is the best."""
     facets, _, number = seen
-    is_level = facets.normals[number, 2] > LEVEL_Z
-    return facets.level_sigma if is_level else 0.0, bool(facets.is_clipped[number]), -float(facets.width_px[number])
+    level_sigma = facets.level_sigma if facets.is_level[number] else 0.0
+    return level_sigma, bool(facets.is_clipped[number]), -float(facets.width_px[number])

@@ -49,7 +49,7 @@ def sent_by_sides(factors: Float32, facets: Facets) -> Float32:
 
     Zeros where the level facet is not seen, which all others are compared with.
     """
-    is_level = facets.normals[:, 2] > 0.99
+    is_level = facets.is_level
     sent = np.zeros((SIDE, SIDE, 3), np.float32)
     if not is_level.any():
         return sent

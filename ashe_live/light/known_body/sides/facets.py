@@ -15,6 +15,7 @@ from ashe_live.light.pixels.view import View
 
 NORMALS: Float = np.array([(0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)], dtype=np.float64)
 NORMALS.flags.writeable = False
+LEVEL_Z = 0.99  # of the normal of a facet that counts as level, at least
 # A print leaves half of a facet white: what is brighter than most of it, without what gloss or noise makes brightest.
 WHITE = (0.9, 0.98)  # quantiles
 RIM_PX, LEAST_PX = 2, 30
@@ -41,6 +42,11 @@ class Facets:
     is_clipped: Mask  # (n,) brighter than the picture shows
     width_px: Float  # (n,) of the narrowest strip of the picture that holds it
     level_sigma: float = 0.0  # standard deviation of the logarithm of the level facet's light; inf: it is unknown
+
+    @property
+    def is_level(self) -> Mask:
+        """(n,) which one faces upwards."""
+        return self.normals[:, 2] > LEVEL_Z
 
 
 def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
@@ -99,7 +105,7 @@ def _with_level(normals: Float, light: Float, is_clipped: Mask, widths: Float, i
 
     The ratio of their inks is that of a level facet's light to a side's; and it is no darker than it looks.
     """
-    level = np.flatnonzero(normals[:, 2] > 0.99)
+    level = np.flatnonzero(normals[:, 2] > LEVEL_Z)
     if not len(level) or not is_clipped[level[0]]:
         return light, 0.0 if len(level) else math.inf
     shows_ink = (widths > INK_PX) & (inks > LEAST_INK)

@@ -10,7 +10,6 @@ from ashe_live.light.known_body.sides.facets import Facets
 from ashe_live.light.shape.light_points import NEAREST
 
 PAPER = 0.8  # reflectance of white paper
-LEVEL_Z = 0.99  # of the normal of a facet that counts as level, at least
 LEAST_RELATIVE = 1e-3  # of a side's light over the level facet's
 LOWEST_Z = 0.05  # of the unit vector towards a light: what a lower one gives to sides, over level ground, is bounded
 # Standard deviations: of a side's light over level paper's, whatever lights it; of a light's part of the table's light,
@@ -45,7 +44,7 @@ class Sides:
     residual: Float  # (k,) their light without that, and without what the table sends
     noise: Float  # (k,) standard deviation of how that is measured
     is_clipped: Mask  # (k,) brighter than the picture shows
-    by_level: Float  # (k,) what all change together by a standard deviation of the level facet's light
+    by_level: Float  # (k,) what all change together by a standard deviation of the level facet's light; clipped ones: 0
 
     @staticmethod
     def of(facets: Facets, from_table: Float, channels: Float) -> "Sides":
@@ -55,9 +54,8 @@ class Sides:
         R, G, B.
         """
         light, bounced = facets.light_rgb @ channels, from_table @ channels
-        is_level = facets.normals[:, 2] > LEVEL_Z
-        level = np.flatnonzero(is_level & math.isfinite(facets.level_sigma))
-        sides = np.flatnonzero(~is_level) if len(level) else level
+        level = np.flatnonzero(facets.is_level & math.isfinite(facets.level_sigma))
+        sides = np.flatnonzero(~facets.is_level) if len(level) else level
         white = max(float(light[level].mean()), 1e-4) if len(level) else 1.0
         relative = light[sides] / white
         even = 0.5 * (1 + facets.normals[sides, 2])

@@ -18,7 +18,7 @@ from ashe_live.core.arrays import SIGMA_OVER_MAD, Float, Mask, median
 from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.surfaces import areas_of, surfaces
-from ashe_live.light.pixels.areas import grown
+from ashe_live.light.pixels.areas import grown, sampled
 from ashe_live.light.pixels.log_colour import is_exposed, log_opponent
 from ashe_live.light.pixels.view import View
 
@@ -57,10 +57,9 @@ class LitSamples:
         seen = free & view.is_ground
         is_lit = seen & (ground.squared_distance < LIT)
         parts = surfaces(view.image_bgr, seen) if ground.divided else areas_of(_mostly(is_lit), is_lit)
-        lit = np.flatnonzero((parts > 0) & exposed & is_lit)
-        if len(lit) < FEWEST:
+        chosen = sampled((parts > 0) & exposed & is_lit, SAMPLES)
+        if len(chosen) < FEWEST:
             return None
-        chosen = lit if len(lit) <= SAMPLES else np.sort(np.random.default_rng(0).choice(lit, SAMPLES, replace=False))
         brightness = log_opponent(view.image_bgr)[..., 0].ravel()[chosen].astype(np.float64)
         rows, columns = np.divmod(chosen, view.size[0])
         places = _on_ground(view, columns, rows)

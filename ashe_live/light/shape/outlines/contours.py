@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.pixels.areas import labelled, window_around
 
 # Blurring a binary mask before its contour is extracted halves the error of pixel steps in a slanted edge.
 ANTIALIASING_PX = 0.7
@@ -15,7 +16,8 @@ PAD = 3  # around a mask's window, for the blur
 CUT_PX = 4  # the blur rounds the corners of a mask that is cut off by the frame or by unreliable pixels
 EVERY_OTHER = np.array([1, 0, 1, 0, 1], np.uint8)
 BESIDE = np.outer(EVERY_OTHER, EVERY_OTHER)  # kernel of the dilation of unreliable pixels
-SPECK_SHARE = 0.03  # fraction of the largest component's area; smaller components are no part of the silhouette
+LEAST_PX = 3  # of the largest component
+SPECK_SHARE = 0.03  # fraction of that component's area; smaller ones are no part of the silhouette
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,27 +29,21 @@ class Contour:
 
 
 def contour_of(mask: Mask) -> Contour | None:
-    """The contour of a mask (h, w), blurred, at its level 0.5; None for an empty mask."""
-    binary = np.ascontiguousarray(mask).view(np.uint8)
-    x0, y0, width, height = cv2.boundingRect(binary)
-    if width * height == 0:
-        return None
+    """The contour of a mask (h, w), blurred, at its level 0.5; None for one of hardly any pixels."""
     # With one pixel more on every side, as the level set lies between pixels.
-    x0, y0 = max(x0 - 1, 0), max(y0 - 1, 0)
-    window = np.s_[y0 : y0 + height + 2, x0 : x0 + width + 2]
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(binary[window], connectivity=8)
-    areas = stats[1:, cv2.CC_STAT_AREA]
-    if areas.max() < 3:
+    window = window_around(mask, 1)
+    labels, sizes = labelled(mask[window], connectivity=8)
+    if sizes.max() < LEAST_PX:
         return None
-    kept = np.concatenate([[True], areas >= SPECK_SHARE * areas.max()])
-    values = (mask[window] & kept[labels]).astype(np.float32)
+    kept = sizes >= SPECK_SHARE * sizes.max()
+    values = kept[labels].astype(np.float32)
     level = cv2.copyMakeBorder(values, PAD, PAD, PAD, PAD, cv2.BORDER_CONSTANT)
     level = cv2.GaussianBlur(level, (0, 0), ANTIALIASING_PX)
     crossings = np.concatenate([_crossings(level), _crossings(level.T)[:, ::-1]])
     if len(crossings) < 3:
         return None
     hull = cv2.convexHull(crossings).reshape(-1, 2)
-    corner = np.array([x0 - PAD, y0 - PAD], dtype=np.float64)
+    corner = np.array([window[1].start - PAD, window[0].start - PAD], dtype=np.float64)
     return Contour(crossings + corner, hull + corner) if len(hull) >= 3 else None
 
 

@@ -18,7 +18,8 @@ CONTACT_PX, CONTACT_SHARE, CONTACT_SIGMAS = 2.0, 0.03, 3.0
 TIE_PX = 0.5
 LEAST_SEEN_OF_BODY, LEAST_SEEN_OF_SHADOW = 6, 1  # directions
 # A straight edge of this length, in units of the object's size, counts as measured even if its ends are cut or hidden.
-LONG_EDGE, EDGES, STRAIGHT_PX = 0.3, 2, 0.75
+LONG_EDGE, STRAIGHT_PX = 0.3, 0.75
+TRIED_EDGES, EDGES = 4, 2  # of an outline, the longest: that are looked at, and that count as measured
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,7 +192,7 @@ def _edge_normals(contour: Contour, doubtful: Mask, is_doubtful: Callable[[Float
     corners = cv2.approxPolyDP(contour.hull_px.astype(np.float32), STRAIGHT_PX, True).reshape(-1, 2).astype(np.float64)
     along = np.roll(corners, -1, axis=0) - corners
     length = np.hypot(along[:, 0], along[:, 1])
-    longest = np.argsort(-length, kind="stable")[:4]
+    longest = np.argsort(-length, kind="stable")[:TRIED_EDGES]
     longest = longest[length[longest] > LONG_EDGE * size_px]
     between = corners[longest, None] + along[longest, None] * np.array([0.25, 0.5, 0.75])[:, None]
     inner = between.reshape(-1, 2)

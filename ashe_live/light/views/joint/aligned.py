@@ -57,11 +57,6 @@ class JointStart:
     costs: Sequence[Costs]  # of the pixels around it in each view, the first one first
 
 
-def lit_body_of(explanation: Explanation) -> tuple[LitBody, Sequence[Float]]:
-    """The body with its lights, and the colour shift (3,) of each light's shadow."""
-    return explanation.lit, explanation.materials.shifts[: len(explanation.lights)]
-
-
 def towards_light(explanation: JointExplanation) -> Float:
     """(3,) unit vector, marker frame, towards the light, or the first of two."""
     return explanation.joint.lights[0].to_light_marker
@@ -200,8 +195,6 @@ def _together(alignments: Sequence[Alignment]) -> Alignment:
     """
     first = alignments[0]
     relative = [(one.misfit_px / one.placed.object_px) ** 2 for one in alignments]
-    shadows = np.mean([one.clear_shadows for one in alignments], axis=0)
-    ends = np.max([one.ends_in_view for one in alignments], axis=0)
     lit = first.placed.lit
     normal = added_up(np.array([one.normal for one in alignments]), lit.body.family, lit.layout)
     return replace(
@@ -210,7 +203,7 @@ def _together(alignments: Sequence[Alignment]) -> Alignment:
         misfit_px=math.sqrt(float(np.mean(relative))) * first.placed.object_px,
         clear_body=float(np.mean([one.clear_body for one in alignments])),
         clear_shadow=float(np.mean([one.clear_shadow for one in alignments])),
-        clear_shadows=tuple(float(clear) for clear in shadows),
-        ends_in_view=tuple(float(end) for end in ends),
+        clear_shadows=tuple(np.mean([one.clear_shadows for one in alignments], axis=0).tolist()),
+        ends_in_view=tuple(np.max([one.ends_in_view for one in alignments], axis=0).tolist()),
         elsewhere=tuple(one.placed for one in alignments[1:]),
     )

@@ -15,7 +15,6 @@ from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.explanation.light_covariance import averaged
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.pixels.areas import shrunk
-from ashe_live.light.shape.layout import nearness_of
 from ashe_live.light.shape.predicted import Predicted
 from ashe_live.light.views.joint.aligned import JointExplanation, JointStart, explained_in_views, towards_light
 from ashe_live.light.views.joint.refinement import joint_criterion, refined_by_all_tangents, sharpened_in_views
@@ -92,7 +91,7 @@ def with_average_light(
     out.
     """
     joint, light = explanation.joint, explanation.joint.lights[0]
-    if len(families) < 2 or len(joint.lights) > 1 or nearness_of(light.light) or joint.hull is not None:
+    if len(families) < 2 or len(joint.lights) > 1 or light.is_lamp or joint.hull is not None:
         return explanation
     probabilities = probabilities_by_steps(families)
     directions = np.array([towards_light(each) for each in families])
