@@ -446,6 +446,37 @@ def test_a_process_that_is_forked_from_one_with_a_renderer_refuses_to_make_anoth
         assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
+FAILED_BEFORE_A_FORK = """
+import os
+
+import moderngl
+
+import ashe_live as al
+
+
+def fails(*arguments, **named):
+    raise ValueError("no display")
+
+
+make, moderngl.create_context = moderngl.create_context, fails
+try:
+    al.Renderer((64, 48))
+except al.UserError as error:
+    assert "no display" in error.message
+moderngl.create_context = make
+child = os.fork()
+if child == 0:
+    al.Renderer((64, 48)).release()
+    os._exit(0)
+assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+"""
+
+
+def test_a_process_in_which_no_renderer_could_be_made_does_not_count_as_one_with_a_renderer():
+    """Its child was told that it had been forked from one that used OpenGL."""
+    subprocess.run([sys.executable, "-c", FAILED_BEFORE_A_FORK], check=True, timeout=120, cwd=CHECKOUT)
+
+
 def test_what_a_person_can_mend_is_a_user_error():
     camera, grey = CAMERA, GREY
     with pytest.raises(al.UserError):
