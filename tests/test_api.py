@@ -167,6 +167,16 @@ def test_the_marker_is_covered_on_request_and_by_the_ground_of_its_own_video():
         )
 
 
+def test_a_lamp_in_the_markers_plane_is_drawn_as_one_that_lights_no_ground(ran):
+    """Of one hardly above it, the shadow's matrix was singular."""
+    with al.Renderer((320, 240), "fast") as renderer:
+        low, level = (
+            renderer.render(ran["tracked"], "cube", al.Illumination((al.Light((1, 0, z), inverse_distance=2.0),)))
+            for z in (1e-300, 0.0)
+        )
+    np.testing.assert_array_equal(low, level)
+
+
 def test_two_renderers_do_not_disturb_each_other():
     camera = al.Camera.from_hfov((64, 48), 60)
     dark, bright = (al.Tracker(camera).track(np.full((48, 64, 3), value, np.uint8)) for value in (20, 220))

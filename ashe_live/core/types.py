@@ -70,7 +70,8 @@ class MarkerPose:
     pose_shape_errors: how pose and body may be off; of the pose it is `covariance`.
 
     Raises ValueError for an array of another shape, for what is not finite or, as a pose that scales or mirrors, not
-    rigid, and for a side beyond MARKER_SIDE.
+    rigid, for a covariance that is not symmetric or has a negative variance, and for a side beyond MARKER_SIDE;
+    TypeError for what is no number.
     """
 
     T_cam_marker: Float
@@ -91,10 +92,11 @@ class MarkerPose:
             T_cam_marker=frozen_floats(self.T_cam_marker, (4, 4), "T_cam_marker"),
             corners_px=frozen_floats(self.corners_px, (4, 2), "corners_px"),
         )
-        set_given_frozen(self, covariance=(6, 6), noise_covariance=(6, 6), unfiltered_T_cam_marker=(4, 4))
+        arguments.set_given_covariances(self, covariance=6, noise_covariance=6)
+        set_given_frozen(self, unfiltered_T_cam_marker=(4, 4))
         _check_rigid(self.T_cam_marker, "T_cam_marker")
         _check_rigid(self.unfiltered_T_cam_marker, "unfiltered_T_cam_marker")
-        MARKER_SIDE.checked(self.side_m, "side_m")
+        set_frozen(self, side_m=MARKER_SIDE.checked(self.side_m, "side_m"))
 
     @property
     def measured_T_cam_marker(self) -> Float:

@@ -104,6 +104,12 @@ SEEN = TrackedFrame(frame(), CAMERA, POSE)
         (lambda: Light((0.0, 0.0, 1.0), sigma_rad=math.inf), ValueError, "sigma_rad"),
         (lambda: Light((0.0, 0.0, 1.0), angular_size_rad="wide"), TypeError, "angular_size_rad"),
         (lambda: Light((0.0, 0.0, 1.0), radius_m=-0.1), ValueError, "radius_m"),
+        (lambda: Light((0.0, 0.0, 1.0), angular_size_rad=3.2), ValueError, "angular_size_rad"),
+        (lambda: Light((0.0, 0.0, 1.0), covariance_rad2=-np.eye(2)), ValueError, "covariance_rad2"),
+        (lambda: Light((0.0, 0.0, 1.0), lamp_covariance=-np.eye(3)), ValueError, "lamp_covariance"),
+        (lambda: Light((0.0, 0.0, 1.0), inverse_distance=None), TypeError, "inverse_distance"),
+        (lambda: MarkerPose(np.eye(4), CORNERS, 0.08, 0.1, None, -np.eye(6)), ValueError, "covariance"),
+        (lambda: dataclasses.replace(POSE, noise_covariance=-np.eye(6)), ValueError, "noise_covariance"),
     ],
 )
 def test_what_a_value_cannot_hold_is_named(make: Callable[[], object], error: type[Exception], named: str) -> None:
