@@ -19,6 +19,7 @@ import PIL.Image
 import pytest
 
 import ashe_live as al
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import angle_between, direction_from_angles
 from ashe_live.render.beside import first_places
 from ashe_live.render.occlusion.contact import ContactPatch
@@ -122,6 +123,59 @@ def test_an_estimator_answers_alike_in_another_process(ran, caster):
 def test_a_pose_of_ones_own_has_the_corners_that_the_tracker_finds(ran):
     posed, tracked = ran["posed"], ran["tracked"]
     np.testing.assert_allclose(posed.marker.corners_px, tracked.marker.corners_px, atol=1.0)
+
+
+def posed_by(tracked: al.TrackedFrame, T_cam_marker: np.ndarray) -> al.TrackedFrame:
+    """The frame with a pose of one's own, and the corners where that has them, as the page's program does."""
+    T, camera, marker = T_cam_marker, tracked.camera, tracked.marker
+    square = square_corners(marker.side_m)
+    pixels, _ = cv2.projectPoints(square, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist)
+    return dataclasses.replace(tracked, marker=al.MarkerPose(T, pixels.reshape(4, 2), marker.side_m, 0.0, None))
+
+
+def test_a_pose_that_has_the_marker_elsewhere_than_its_corners_is_refused():
+    """By the inverse of the pose, as it is easily handed in, a light was found up to 66 degrees off, and 0.83 sure."""
+    tracked, estimator = CASES["clean_box"].tracked(), al.make_estimator("proxy", "fast")
+    T, corners = tracked.marker.T_cam_marker, tracked.marker.corners_px
+    for wrong in (
+        dataclasses.replace(tracked.marker, T_cam_marker=np.linalg.inv(T)),
+        dataclasses.replace(tracked.marker, corners_px=corners[[1, 0, 3, 2]]),  # mirrored
+        dataclasses.replace(tracked.marker, side_m=tracked.marker.side_m / 10),
+        dataclasses.replace(tracked.marker, corners_px=np.zeros((4, 2))),
+    ):
+        contradicted = dataclasses.replace(tracked, marker=wrong)
+        with pytest.raises(ValueError, match="tracked has a marker whose corners_px are"):
+            estimator.estimate(contradicted)
+        with pytest.raises(ValueError, match="each of others has a marker"):
+            estimator.estimate(tracked, [contradicted])
+
+
+def test_a_pose_from_below_the_plane_shows_no_light_and_says_why():
+    """As one whose z points into the table, or that of a camera in the marker's centre, which raised in other words."""
+    tracked, estimator = CASES["clean_box"].tracked(), al.make_estimator("proxy", "fast")
+    T = tracked.marker.T_cam_marker
+    into_the_table = posed_by(tracked, T @ np.diag([1.0, -1.0, -1.0, 1.0]))
+    for scale in (0.0, 1e-300):
+        centred = T.copy()
+        centred[:3, 3] *= scale
+        in_the_centre = dataclasses.replace(tracked.marker, T_cam_marker=centred, corners_px=np.zeros((4, 2)))
+        for wrong in (into_the_table, dataclasses.replace(tracked, marker=in_the_centre)):
+            estimate = estimator.estimate(wrong)
+            assert estimate.light is None
+            assert "the camera is not above its plane" in estimate.reason
+    assert estimator.estimate(tracked, [into_the_table]).views == (tracked.frame.index,)
+
+
+@pytest.mark.parametrize("name", ["clean_cup", "two_cylinder"])
+def test_a_frame_of_ones_own_may_begin_anywhere_on_the_table(name):
+    """Also beside the picture, or behind the camera, where the corners are no pixels."""
+    tracked, estimator = CASES[name].tracked(), al.make_estimator("proxy", "fast")
+    for shift in ((1.5, 0.0), (0.0, -2.0)):
+        elsewhere = np.eye(4)
+        elsewhere[:2, 3] = shift
+        estimate = estimator.estimate(posed_by(tracked, tracked.marker.T_cam_marker @ elsewhere))
+        off = angle_between(estimate.light.to_light_marker, CASES[name].to_lights_marker[0])
+        assert off < np.radians(2)
 
 
 def cubes_from(*azimuths_deg: float) -> list[al.TrackedFrame]:

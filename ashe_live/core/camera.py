@@ -16,6 +16,7 @@ from ashe_live.files.reading import read_json
 
 Size = tuple[int, int]
 LEAST_SKEW = 1e-6  # of the focal length: what is less comes from rounding
+MOST_ASIDE = 1000.0  # focal lengths from the picture to the principal point: nearly at right angles to the view
 MOST_OBLONG = 1.5  # sides of pixels, one over the other: those of wide-screen DVDs have 1.42
 CameraSource = Literal["file", "flag", "exif", "assumed", "estimated"]
 
@@ -81,6 +82,13 @@ class Camera:
             *((f"dist[{index}]", value, DISTORTION) for index, value in enumerate(self.dist)),
         ):
             allowed.checked(float(value), name)
+        for axis, (focal_px, middle_px) in enumerate(((self.K[0, 0], self.K[0, 2]), (self.K[1, 1], self.K[1, 2]))):
+            beside_px = max(-middle_px, middle_px - self.size[axis])
+            if beside_px > MOST_ASIDE * focal_px:
+                raise ValueError(
+                    f"the principal point K[{axis}][2] is {beside_px:g} px beside the picture, and the focal length "
+                    f"{focal_px:g} px: no lens looks so far aside"
+                )
         if abs(self.K[0, 1]) > LEAST_SKEW * self.K[0, 0]:
             raise ValueError(f"the skew K[0][1] is {self.K[0, 1]:g} px, and OpenCV's model of cameras has none")
         if len(self.dist) not in DISTORTION_LENGTHS:

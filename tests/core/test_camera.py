@@ -120,6 +120,15 @@ def test_a_deviation_that_no_focal_length_has_is_wrong_use(sigma_px: float) -> N
         Camera.from_focal((640, 480), 500.0, focal_sigma_px=sigma_px)
 
 
+def test_a_picture_nearly_at_right_angles_to_the_lens_is_refused() -> None:
+    """An estimate by such a camera ended in NumPy's words. A part cut out of a wide picture is as good as any."""
+    beside = np.array([(430.0, 0.0, 1e7), (0.0, 430.0, 240.0), (0.0, 0.0, 1.0)])
+    for K in (beside, beside[[1, 0, 2]][:, [1, 0, 2]]):
+        with pytest.raises(ValueError, match="principal point"):
+            Camera((640, 480), K, np.zeros(5), "file")
+    Camera((640, 480), [(430.0, 0.0, -9000.0), (0.0, 430.0, 4000.0), (0.0, 0.0, 1.0)], np.zeros(5), "file")
+
+
 def test_a_size_and_an_angle_of_another_kind_are_named() -> None:
     for size in (None, 7, ("a", 3), (640.5, 480)):
         for make in (Camera.assumed, Camera.from_hfov((640, 480), 60.0).resized):
