@@ -1,6 +1,7 @@
 """The programming interface: docs/api.md runs as written; what it promises is kept; importing it is cheap."""
 
 import dataclasses
+import gc
 import inspect
 import os
 import pickle
@@ -21,6 +22,7 @@ import pytest
 import ashe_live as al
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import angle_between, direction_from_angles
+from ashe_live.models.placement import PlacedModel
 from ashe_live.render.beside import first_places
 from ashe_live.render.occlusion.contact import ContactPatch
 from tests.checkout import CHECKOUT
@@ -306,6 +308,41 @@ def test_a_file_is_named_by_a_path_as_by_text(ran, tmp_path):
     assert known[0].reason == known[1].reason
     with pytest.raises(al.UserError, match="no file"):
         al.make_estimator(caster=tmp_path / "none.obj")
+
+
+def test_a_models_file_is_read_anew_where_it_has_changed_and_drawn_on_where_it_is_gone(ran, tmp_path):
+    tracked, file, other = ran["tracked"], tmp_path / "tile.obj", tmp_path / "other.obj"
+    flat, upright = (
+        f"v 0 0 0\nv 0.06 0 0\nv 0.06 {z} 0.04\nv 0 0.03 0\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n"
+        for z in ("0.0", "0.09")
+    )
+    with al.Renderer((320, 240), "fast") as renderer:
+        file.write_text(flat)
+        before = renderer.render(tracked, file)
+        for path in (file, other):
+            path.write_text(upright)
+        changed = renderer.render(tracked, file)
+        assert np.any(changed != before)
+        np.testing.assert_array_equal(changed, renderer.render(tracked, other))
+        file.unlink()
+        np.testing.assert_array_equal(changed, renderer.render(tracked, file))
+
+
+def test_a_renderer_that_draws_ever_other_models_keeps_the_last_ones(ran, monkeypatch):
+    """As a server does, on markers of any size: they were kept for good, a megabyte for each size of each model."""
+    monkeypatch.setattr("ashe_live.renderer.MOST_KEPT", 2)
+    tracked = ran["tracked"]
+    with al.Renderer((64, 48), "fast") as renderer:
+        before = live_models()
+        for number in range(6):
+            marker = dataclasses.replace(tracked.marker, side_m=0.08 + 0.001 * number)
+            renderer.render(dataclasses.replace(tracked, marker=marker), "cube")
+        assert live_models() - before <= 2
+
+
+def live_models() -> int:
+    gc.collect()
+    return sum(isinstance(thing, PlacedModel) for thing in gc.get_objects())
 
 
 def test_the_first_model_stands_on_the_side_that_is_asked_for(ran, tmp_path):
