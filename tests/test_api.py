@@ -227,7 +227,7 @@ def test_a_lamp_in_the_markers_plane_is_drawn_as_one_that_lights_no_ground(ran):
     """Of one hardly above it, the shadow's matrix was singular."""
     with al.Renderer((320, 240), "fast") as renderer:
         low, level = (
-            renderer.render(ran["tracked"], "cube", al.Illumination((al.Light((1, 0, z), inverse_distance=2.0),)))
+            renderer.render(ran["tracked"], "mug", al.Illumination((al.Light((1, 0, z), inverse_distance=2.0),)))
             for z in (1e-300, 0.0)
         )
     np.testing.assert_array_equal(low, level)
