@@ -79,6 +79,13 @@ def picture_size(value: tuple[int, int], name: str) -> tuple[int, int]:
     return int(value[0]), int(value[1])
 
 
+def whole_number(value: int, allowed: Range, name: str) -> int:
+    """Returns `value`, also of NumPy, as an int, which must be within that range."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise TypeError(f"{name} must be a whole number {allowed}, and is {_a(type(value))}")
+    return int(allowed.checked(int(value), name))
+
+
 def set_given_numbers(instance: object, **ranges: Range) -> None:
     """Replaces each field of a frozen dataclass by its number within that range; None, not measured, stays None."""
     for name, allowed in ranges.items():

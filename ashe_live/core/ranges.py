@@ -58,7 +58,7 @@ VIEWS = Range(1, 12)  # of one scene that an estimate takes, and that are kept o
 SCALE = Range(1e-6, 1e6)  # of a model, relative to the size that it is given by its marker
 TURN = Range(-1e6, 1e6, "rad")
 SHIFT = Range(-1e6, 1e6, "m")
-TIME = Range(-1e9, 1e9, "s")  # since a clip or a motion began
+TIME = Range(-1e10, 1e10, "s")  # since a clip or a motion began; also since 1970, as clocks tell it
 CAMERA_NUMBER = Range(0, 65535)
 
 

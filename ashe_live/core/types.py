@@ -20,7 +20,7 @@ from ashe_live.core.arrays import (
 )
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import PoseShapeErrors, Proxy
-from ashe_live.core.ranges import MARKER_SIDE
+from ashe_live.core.ranges import INDEX, MARKER_SIDE, TIME
 from ashe_live.core.square import PlaneMarker
 
 RIGID_WITHIN = 0.02  # of products of axes: a matrix that was written down with two decimals is off by 0.0174 at most
@@ -34,7 +34,8 @@ class Frame:
     image_bgr: (h, w, 3) uint8 sRGB, OpenCV's channel order, read-only.
     index, time_s: 0 for the source's first frame; the time since then, at capture, seconds.
 
-    Raises TypeError for what is no array, ValueError for one of another shape or type.
+    Raises TypeError for what is no array or number, ValueError for an array of another shape or type, and for a number
+    beyond its range (core/ranges.py).
     """
 
     image_bgr: Image
@@ -42,7 +43,12 @@ class Frame:
     time_s: float
 
     def __post_init__(self) -> None:
-        set_frozen(self, image_bgr=frozen_view(arguments.picture(self.image_bgr, "image_bgr")))
+        set_frozen(
+            self,
+            image_bgr=frozen_view(arguments.picture(self.image_bgr, "image_bgr")),
+            index=arguments.whole_number(self.index, INDEX, "index"),
+            time_s=TIME.checked(self.time_s, "time_s"),
+        )
 
     @property
     def size(self) -> tuple[int, int]:
@@ -71,7 +77,7 @@ class MarkerPose:
 
     Raises ValueError for an array of another shape, for what is not finite or, as a pose that scales or mirrors, not
     rigid, for a covariance that is not symmetric or has a negative variance, and for a side beyond MARKER_SIDE;
-    TypeError for what is no number.
+    TypeError for what is no number and for another kind of body.
     """
 
     T_cam_marker: Float
@@ -97,6 +103,10 @@ class MarkerPose:
         _check_rigid(self.T_cam_marker, "T_cam_marker")
         _check_rigid(self.unfiltered_T_cam_marker, "unfiltered_T_cam_marker")
         set_frozen(self, side_m=MARKER_SIDE.checked(self.side_m, "side_m"))
+        if self.body is not None:
+            arguments.instance(self.body, Proxy, "body")
+        if self.pose_shape_errors is not None:
+            arguments.instance(self.pose_shape_errors, PoseShapeErrors, "pose_shape_errors")
 
     @property
     def measured_T_cam_marker(self) -> Float:
@@ -138,6 +148,8 @@ class TrackedFrame:
         arguments.instance(self.camera, Camera, "camera")
         if self.marker is not None:
             arguments.instance(self.marker, MarkerPose, "marker")
+        for other in arguments.instance(self.others, tuple, "others"):
+            arguments.instance(other, PlaneMarker, "each of others")
         set_given_frozen(self, T_room_marker=(4, 4))
         _check_rigid(self.T_room_marker, "T_room_marker")
         if self.camera.size != self.frame.size:
