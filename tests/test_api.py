@@ -733,6 +733,12 @@ for estimate in (
     direction: NDArray[np.float64] | None = None if estimate.light is None else estimate.light.to_light_marker
 tracked = al.Tracker(camera).track(picture)
 al.write_png("half.png", cv2.resize(picture, (320, 240)))
+solved, rotation, shift = cv2.solvePnP(np.zeros((4, 3)), np.zeros((4, 2)), camera.K, camera.dist)
+T_cam_table = np.eye(4, dtype=np.float32)
+T_cam_table[:3, :3], T_cam_table[:3, 3] = cv2.Rodrigues(rotation)[0], shift[:, 0]
+corners, _ = cv2.projectPoints(np.zeros((4, 3)), rotation, shift, camera.K, camera.dist)
+pose = al.MarkerPose(T_cam_table, corners.reshape(4, 2), 0.08, 0.0, None, covariance=np.eye(6, dtype=np.float32))
+al.TrackedFrame(al.Frame(picture, 0, 0.0), camera, pose)
 al.Tracker(dataclasses.replace(camera, source="estimated"), side_m="0.08")
 """
 

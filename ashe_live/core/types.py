@@ -5,12 +5,15 @@ whose Illumination the renderer draws in.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ashe_live.core import arguments
 from ashe_live.core.arrays import (
     Float,
+    GivenImage,
     Image,
     frozen_floats,
     frozen_view,
@@ -41,6 +44,10 @@ class Frame:
     image_bgr: Image
     index: int
     time_s: float
+
+    if TYPE_CHECKING:  # OpenCV's types do not say that pictures are uint8
+
+        def __init__(self, image_bgr: GivenImage, index: int, time_s: float) -> None: ...
 
     def __post_init__(self) -> None:
         set_frozen(
@@ -91,6 +98,23 @@ class MarkerPose:
     bridged: bool = False
     body: Proxy | None = None
     pose_shape_errors: PoseShapeErrors | None = None
+
+    if TYPE_CHECKING:  # a calibration's arrays may be of any kind of number, or lists
+
+        def __init__(
+            self,
+            T_cam_marker: ArrayLike,
+            corners_px: ArrayLike,
+            side_m: float,
+            reprojection_rms_px: float,
+            other_rms_px: float | None,
+            covariance: ArrayLike | None = ...,
+            noise_covariance: ArrayLike | None = ...,
+            unfiltered_T_cam_marker: ArrayLike | None = ...,
+            bridged: bool = ...,
+            body: Proxy | None = ...,
+            pose_shape_errors: PoseShapeErrors | None = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         set_frozen(
