@@ -136,7 +136,7 @@ def posed_by(tracked: al.TrackedFrame, T_cam_marker: np.ndarray) -> al.TrackedFr
 
 
 def test_a_pose_that_has_the_marker_elsewhere_than_its_corners_is_refused():
-    """By the inverse of the pose, as it is easily handed in, a light was found up to 66 degrees off, and one of 35 with 0.83."""
+    """By the inverse of the pose, as it is easily handed in, lights were up to 66 degrees off, and up to 0.83 sure."""
     tracked, estimator = CASES["clean_box"].tracked(), al.make_estimator("proxy", "fast")
     T, corners = tracked.marker.T_cam_marker, tracked.marker.corners_px
     for wrong in (
