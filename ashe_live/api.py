@@ -3,12 +3,16 @@
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.core import arguments
 from ashe_live.core.arrays import GivenImage, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.light import Illumination, LightEstimate
 from ashe_live.core.ranges import MARKER_SIDE, TIME
+from ashe_live.core.square import side_lengths_px, square_corners
+from ashe_live.core.transforms import camera_centre, project
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators import estimator as estimators
 from ashe_live.light.live.clean_plates import over_empty_table, refuse_unused
@@ -16,11 +20,17 @@ from ashe_live.light.live.same_scene import first_of_most, of_one_scene
 from ashe_live.models.caster import read_caster
 from ashe_live.quality import quality_named
 from ashe_live.tracking import tracker
+from ashe_live.tracking.edges.lens import source_from_ideal
 from ashe_live.tracking.families import in_view
 from ashe_live.tracking.families.layout import parse_target, usual_side_m
 
 MARKER = "aruco:4x4_50:0"
 ASSUMED_FPS = 30.0
+# A camera that is lower over the marker's plane, for its distance or in metres, is in it.
+LEAST_SINE, LEAST_HEIGHT_M = 1e-6, 1e-100
+# Corners that are farther from where their pose has them, by the longest side, are none of its marker: filters and
+# wrong focal lengths part them by far less.
+MOST_OFF_SIDES, MOST_OFF_PX = 0.5, 2.0
 
 
 def read_photo(path: str | Path) -> Image:
@@ -143,14 +153,44 @@ class LightEstimator:
     def estimate(self, tracked: TrackedFrame, others: Iterable[TrackedFrame] = ()) -> LightEstimate:
         """In the frame of the marker. Without one, or without a light, there are no lights and `reason` says why.
 
-        `others` are views of the same scene from other sides, with nothing moved in between; those without a marker
-        are left out. Its `views` and `span_rad` say what the answer rests on.
+        `others` are views of the same scene from other sides, with nothing moved in between; those without a marker,
+        or by whose pose the camera is not above its plane, are left out. Its `views` and `span_rad` say what the answer
+        rests on. Raises ValueError for a pose that has the marker elsewhere in the picture than its `corners_px`,
+        TypeError for an argument of another kind.
         """
         for other in (others := tuple(arguments.instance(others, Iterable, "others"))):
             arguments.instance(other, TrackedFrame, "each of others")
-        if arguments.instance(tracked, TrackedFrame, "tracked").marker is None:
-            return LightEstimate(self.name, tracked.frame.index, Illumination(), "no marker found")
-        return self._estimator.estimate(tracked, tuple(other for other in others if other.marker is not None))
+        reason = _why_not_seen(arguments.instance(tracked, TrackedFrame, "tracked"))
+        for each, name in ((tracked, "tracked"), *((other, "each of others") for other in others)):
+            _check_corners(each, name)
+        if reason is not None:
+            return LightEstimate(self.name, tracked.frame.index, Illumination(), reason)
+        return self._estimator.estimate(tracked, tuple(other for other in others if _why_not_seen(other) is None))
+
+
+def _why_not_seen(tracked: TrackedFrame) -> str | None:
+    """Why a frame cannot show the light, as its marker is not seen, or from nowhere above it."""
+    if tracked.marker is None:
+        return "no marker found"
+    centre = camera_centre(tracked.marker.T_cam_marker)
+    if centre[2] <= max(LEAST_SINE * np.linalg.norm(centre), LEAST_HEIGHT_M):
+        return "by the marker's pose the camera is not above its plane: z points out of the surface"
+    return None
+
+
+def _check_corners(tracked: TrackedFrame, name: str) -> None:
+    """Raises ValueError for a pose, such as an inverted one, that contradicts the corners: its light would be wrong."""
+    if tracked.marker is None:
+        return
+    seen_px, camera = tracked.marker.corners_px, tracked.camera
+    posed_px = project(camera, tracked.marker.T_cam_marker, square_corners(tracked.marker.side_m))
+    if not np.isfinite(posed_px).all():  # a frame of the caller's own may begin behind the camera
+        return
+    off_px = np.hypot(*(source_from_ideal(camera, posed_px) - seen_px).T).max()
+    if off_px > MOST_OFF_PX + MOST_OFF_SIDES * side_lengths_px(seen_px).max():
+        raise ValueError(
+            f"{name} has a marker whose corners_px are up to {off_px:.0f} px beside those by T_cam_marker and side_m"
+        )
 
 
 class Tracker:

@@ -13,7 +13,7 @@ from ashe_live.core.camera import Size
 from ashe_live.core.light import Illumination, Light
 from ashe_live.core.ranges import DRAWN, TIME
 from ashe_live.core.types import Frame, TrackedFrame
-from ashe_live.errors import ModelWarning
+from ashe_live.errors import ModelWarning, UserError
 from ashe_live.files.reading import opened
 from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import MOST_MODELS, model_file
@@ -25,6 +25,8 @@ from ashe_live.render.beside import FirstPlaces, first_places
 
 Name = str | os.PathLike[str]  # a shipped model's, or the path of a file
 Standing = Name | tuple[Name, Placement]  # a model, by itself or moved from where it stands first
+Stamp = tuple[int, int]  # of a file: when it was written, and its size
+MOST_KEPT = 2 * MOST_MODELS  # models: those of a picture, and as many that may come back
 
 
 class Renderer:
@@ -53,8 +55,7 @@ class Renderer:
         self._context = offscreen_context()
         with self._context:
             self._renderer = SceneRenderer(self._context, preset, size)
-        self._there: set[str] = set()  # names of models that have a file
-        self._placed: dict[tuple[str, float, str | None], PlacedModel] = {}
+        self._placed: dict[tuple[str, float, str | None], tuple[Stamp | None, PlacedModel]] = {}  # drawn last: last
         self._places = FirstPlaces()
         self._chosen_for: tuple[Light | None, bool] | None = None  # light, and whether there is a body that is seen
         self._frame: Frame | None = None  # drawn last
@@ -76,9 +77,10 @@ class Renderer:
         frame before begins another video, of which nothing is known from the last one.
         model: a shipped model's name (`model_names()`), or the path of a glTF, GLB, OBJ, PLY or STL file; either of
         them with a Placement, (name, placement), which says how it is scaled, turned and shifted on the marker's plane;
-        or a list of up to nine of these. The list's models shade each other, and those without a placement stand side
-        by side: the first over the marker, the second to its right, the third to its left, and so on; with the paper
-        cube in a row beside it, out of its shadow, which stays there until another light is given.
+        or a list of up to nine of these. A file is read anew where it has changed, and after many others. The list's
+        models shade each other, and those without a placement stand side by side: the first over the marker, the second
+        to its right, the third to its left, and so on; with the paper cube in a row beside it, out of its shadow, which
+        stays there until another light is given.
         illumination: an estimate's (`LightEstimate.illumination`) or one of your own; None, or one without a light: the
         sky alone gives light. Polished surfaces mirror the frame that it was seen in, whichever frame is drawn.
         shows_light: also draws an arrow that comes from each light, or a bulb where a lamp is in view.
@@ -163,18 +165,32 @@ class Renderer:
 
     def _check_there(self, names: Iterable[str]) -> None:
         """Raises UserError for a model without a file, also in a frame without a marker, for which none is read."""
+        known = {name for name, _, _ in self._placed}
         for name in names:
-            if name not in self._there:
+            if name not in known:
                 opened(model_file(name)).close()
-                self._there.add(name)
 
     def _model(self, name: str, side_m: float, up: str | None) -> PlacedModel:
-        """The same object again for the same name: it is uploaded once."""
-        if (name, side_m, up) not in self._placed:
-            placed = self._placed[name, side_m, up] = read_model(name, side_m, up)
-            for note in placed.model.notes:
+        """The same object again for the same name, as it is uploaded once, until its file changes."""
+        key, stamp = (name, side_m, up), _stamp(name)
+        known = self._placed.pop(key, None)
+        if known is None or stamp not in (None, known[0]):
+            known = stamp, read_model(name, side_m, up)
+            for note in known[1].model.notes:
                 warnings.warn(f"{name}: {note}", ModelWarning, stacklevel=3)
-        return self._placed[name, side_m, up]
+        self._placed[key] = known
+        while len(self._placed) > MOST_KEPT:
+            del self._placed[next(iter(self._placed))]
+        return known[1]
+
+
+def _stamp(name: str) -> Stamp | None:
+    """None for a file that is gone: a model that was read from it is drawn on."""
+    try:
+        found = model_file(name).stat()
+    except (OSError, UserError):
+        return None
+    return found.st_mtime_ns, found.st_size
 
 
 def _standings(model: Standing | Sequence[Standing]) -> list[tuple[str, Placement | None]]:

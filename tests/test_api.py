@@ -1,6 +1,7 @@
 """The programming interface: docs/api.md runs as written; what it promises is kept; importing it is cheap."""
 
 import dataclasses
+import gc
 import inspect
 import os
 import pickle
@@ -19,7 +20,9 @@ import PIL.Image
 import pytest
 
 import ashe_live as al
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import angle_between, direction_from_angles
+from ashe_live.models.placement import PlacedModel
 from ashe_live.render.beside import first_places
 from ashe_live.render.occlusion.contact import ContactPatch
 from tests.checkout import CHECKOUT
@@ -124,6 +127,59 @@ def test_a_pose_of_ones_own_has_the_corners_that_the_tracker_finds(ran):
     np.testing.assert_allclose(posed.marker.corners_px, tracked.marker.corners_px, atol=1.0)
 
 
+def posed_by(tracked: al.TrackedFrame, T_cam_marker: np.ndarray) -> al.TrackedFrame:
+    """The frame with a pose of one's own, and the corners where that has them, as the page's program does."""
+    T, camera, marker = T_cam_marker, tracked.camera, tracked.marker
+    square = square_corners(marker.side_m)
+    pixels, _ = cv2.projectPoints(square, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist)
+    return dataclasses.replace(tracked, marker=al.MarkerPose(T, pixels.reshape(4, 2), marker.side_m, 0.0, None))
+
+
+def test_a_pose_that_has_the_marker_elsewhere_than_its_corners_is_refused():
+    """By the inverse of the pose, as it is easily handed in, lights were up to 66 degrees off, and up to 0.83 sure."""
+    tracked, estimator = CASES["clean_box"].tracked(), al.make_estimator("proxy", "fast")
+    T, corners = tracked.marker.T_cam_marker, tracked.marker.corners_px
+    for wrong in (
+        dataclasses.replace(tracked.marker, T_cam_marker=np.linalg.inv(T)),
+        dataclasses.replace(tracked.marker, corners_px=corners[[1, 0, 3, 2]]),  # mirrored
+        dataclasses.replace(tracked.marker, side_m=tracked.marker.side_m / 10),
+        dataclasses.replace(tracked.marker, corners_px=np.zeros((4, 2))),
+    ):
+        contradicted = dataclasses.replace(tracked, marker=wrong)
+        with pytest.raises(ValueError, match="tracked has a marker whose corners_px are"):
+            estimator.estimate(contradicted)
+        with pytest.raises(ValueError, match="each of others has a marker"):
+            estimator.estimate(tracked, [contradicted])
+
+
+def test_a_pose_from_below_the_plane_shows_no_light_and_says_why():
+    """As one whose z points into the table, or that of a camera in the marker's centre, which raised in other words."""
+    tracked, estimator = CASES["clean_box"].tracked(), al.make_estimator("proxy", "fast")
+    T = tracked.marker.T_cam_marker
+    into_the_table = posed_by(tracked, T @ np.diag([1.0, -1.0, -1.0, 1.0]))
+    for scale in (0.0, 1e-300):
+        centred = T.copy()
+        centred[:3, 3] *= scale
+        in_the_centre = dataclasses.replace(tracked.marker, T_cam_marker=centred, corners_px=np.zeros((4, 2)))
+        for wrong in (into_the_table, dataclasses.replace(tracked, marker=in_the_centre)):
+            estimate = estimator.estimate(wrong)
+            assert estimate.light is None
+            assert "the camera is not above its plane" in estimate.reason
+    assert estimator.estimate(tracked, [into_the_table]).views == (tracked.frame.index,)
+
+
+@pytest.mark.parametrize("name", ["clean_cup", "two_cylinder"])
+def test_a_frame_of_ones_own_may_begin_anywhere_on_the_table(name):
+    """Also beside the picture, or behind the camera, where the corners are no pixels."""
+    tracked, estimator = CASES[name].tracked(), al.make_estimator("proxy", "fast")
+    for shift in ((1.5, 0.0), (0.0, -2.0)):
+        elsewhere = np.eye(4)
+        elsewhere[:2, 3] = shift
+        estimate = estimator.estimate(posed_by(tracked, tracked.marker.T_cam_marker @ elsewhere))
+        off = angle_between(estimate.light.to_light_marker, CASES[name].to_lights_marker[0])
+        assert off < np.radians(2)
+
+
 def cubes_from(*azimuths_deg: float) -> list[al.TrackedFrame]:
     """A painted cube in the sun, seen from several sides."""
     tracker, seen = al.Tracker(CUBE_CAMERA, "cube"), []
@@ -165,6 +221,16 @@ def test_the_marker_is_covered_on_request_and_by_the_ground_of_its_own_video():
         np.testing.assert_array_equal(
             renderer.render(cone, tiny, light, hides_marker=True), fresh.render(cone, tiny, light, hides_marker=True)
         )
+
+
+def test_a_lamp_in_the_markers_plane_is_drawn_as_one_that_lights_no_ground(ran):
+    """Of one hardly above it, the shadow's matrix was singular."""
+    with al.Renderer((320, 240), "fast") as renderer:
+        low, level = (
+            renderer.render(ran["tracked"], "mug", al.Illumination((al.Light((1, 0, z), inverse_distance=2.0),)))
+            for z in (1e-300, 0.0)
+        )
+    np.testing.assert_array_equal(low, level)
 
 
 def test_two_renderers_do_not_disturb_each_other():
@@ -242,6 +308,41 @@ def test_a_file_is_named_by_a_path_as_by_text(ran, tmp_path):
     assert known[0].reason == known[1].reason
     with pytest.raises(al.UserError, match="no file"):
         al.make_estimator(caster=tmp_path / "none.obj")
+
+
+def test_a_models_file_is_read_anew_where_it_has_changed_and_drawn_on_where_it_is_gone(ran, tmp_path):
+    tracked, file, other = ran["tracked"], tmp_path / "tile.obj", tmp_path / "other.obj"
+    flat, upright = (
+        f"v 0 0 0\nv 0.06 0 0\nv 0.06 {z} 0.04\nv 0 0.03 0\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n"
+        for z in ("0.0", "0.09")
+    )
+    with al.Renderer((320, 240), "fast") as renderer:
+        file.write_text(flat)
+        before = renderer.render(tracked, file)
+        for path in (file, other):
+            path.write_text(upright)
+        changed = renderer.render(tracked, file)
+        assert np.any(changed != before)
+        np.testing.assert_array_equal(changed, renderer.render(tracked, other))
+        file.unlink()
+        np.testing.assert_array_equal(changed, renderer.render(tracked, file))
+
+
+def test_a_renderer_that_draws_ever_other_models_keeps_the_last_ones(ran, monkeypatch):
+    """As a server does, on markers of any size: they were kept for good, a megabyte for each size of each model."""
+    monkeypatch.setattr("ashe_live.renderer.MOST_KEPT", 2)
+    tracked = ran["tracked"]
+    with al.Renderer((64, 48), "fast") as renderer:
+        before = live_models()
+        for number in range(6):
+            marker = dataclasses.replace(tracked.marker, side_m=0.08 + 0.001 * number)
+            renderer.render(dataclasses.replace(tracked, marker=marker), "cube")
+        assert live_models() - before <= 2
+
+
+def live_models() -> int:
+    gc.collect()
+    return sum(isinstance(thing, PlacedModel) for thing in gc.get_objects())
 
 
 def test_the_first_model_stands_on_the_side_that_is_asked_for(ran, tmp_path):
@@ -446,6 +547,37 @@ def test_a_process_that_is_forked_from_one_with_a_renderer_refuses_to_make_anoth
         assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
+FAILED_BEFORE_A_FORK = """
+import os
+
+import moderngl
+
+import ashe_live as al
+
+
+def fails(*arguments, **named):
+    raise ValueError("no display")
+
+
+make, moderngl.create_context = moderngl.create_context, fails
+try:
+    al.Renderer((64, 48))
+except al.UserError as error:
+    assert "no display" in error.message
+moderngl.create_context = make
+child = os.fork()
+if child == 0:
+    al.Renderer((64, 48)).release()
+    os._exit(0)
+assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+"""
+
+
+def test_a_process_in_which_no_renderer_could_be_made_does_not_count_as_one_with_a_renderer():
+    """Its child was told that it had been forked from one that used OpenGL."""
+    subprocess.run([sys.executable, "-c", FAILED_BEFORE_A_FORK], check=True, timeout=120, cwd=CHECKOUT)
+
+
 def test_what_a_person_can_mend_is_a_user_error():
     camera, grey = CAMERA, GREY
     with pytest.raises(al.UserError):
@@ -601,6 +733,12 @@ for estimate in (
     direction: NDArray[np.float64] | None = None if estimate.light is None else estimate.light.to_light_marker
 tracked = al.Tracker(camera).track(picture)
 al.write_png("half.png", cv2.resize(picture, (320, 240)))
+solved, rotation, shift = cv2.solvePnP(np.zeros((4, 3)), np.zeros((4, 2)), camera.K, camera.dist)
+T_cam_table = np.eye(4, dtype=np.float32)
+T_cam_table[:3, :3], T_cam_table[:3, 3] = cv2.Rodrigues(rotation)[0], shift[:, 0]
+corners, _ = cv2.projectPoints(np.zeros((4, 3)), rotation, shift, camera.K, camera.dist)
+pose = al.MarkerPose(T_cam_table, corners.reshape(4, 2), 0.08, 0.0, None, covariance=np.eye(6, dtype=np.float32))
+al.TrackedFrame(al.Frame(picture, 0, 0.0), camera, pose)
 al.Tracker(dataclasses.replace(camera, source="estimated"), side_m="0.08")
 """
 

@@ -9,11 +9,14 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ashe_live.core.arrays import GivenImage, Image
-from ashe_live.core.ranges import SIDE
+from ashe_live.core.arrays import Float, GivenImage, Image, frozen_floats, set_frozen
+from ashe_live.core.ranges import SIDE, VARIANCE, Range
 
 Value = TypeVar("Value")
+# A correlation that is further beyond 1, or from its mirror image in the matrix, does not come from rounding.
+CORRELATED_WITHIN = 1e-4
 
 
 def instance(value: Value, kind: type[Any], name: str) -> Value:
@@ -74,3 +77,40 @@ def picture_size(value: tuple[int, int], name: str) -> tuple[int, int]:
             raise TypeError(f"{name} must be two whole numbers, and has a {type(side).__name__}")
         SIDE.checked(int(side), f"a side of {name}")
     return int(value[0]), int(value[1])
+
+
+def whole_number(value: int, allowed: Range, name: str) -> int:
+    """Returns `value`, also of NumPy, as an int, which must be within that range."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise TypeError(f"{name} must be a whole number {allowed}, and is {_a(type(value))}")
+    return int(allowed.checked(int(value), name))
+
+
+def set_given_numbers(instance: object, **ranges: Range) -> None:
+    """Replaces each field of a frozen dataclass by its number within that range; None, not measured, stays None."""
+    for name, allowed in ranges.items():
+        if (given := getattr(instance, name)) is not None:
+            set_frozen(instance, **{name: allowed.checked(given, name)})
+
+
+def covariance(value: ArrayLike, size: int, name: str) -> Float:
+    """Returns (size, size) as `frozen_floats`, which must be symmetric, with no negative variance in any direction."""
+    array = frozen_floats(value, (size, size), name)
+    for variance in array.diagonal():
+        VARIANCE.checked(float(variance), f"a variance in {name}")
+    sigmas = np.sqrt(array.diagonal())
+    products, rounding = np.outer(sigmas, sigmas), np.finfo(np.float64).tiny
+    if (np.abs(array - array.T) > CORRELATED_WITHIN * products + rounding).any():
+        raise ValueError(f"{name} is not symmetric, and so no covariance")
+    correlations = np.divide(array, products, out=np.zeros_like(array), where=products > rounding)
+    is_beyond = np.abs(array) > (1 + CORRELATED_WITHIN) * products + rounding
+    if is_beyond.any() or np.linalg.eigvalsh(correlations)[0] < -CORRELATED_WITHIN:
+        raise ValueError(f"{name} is no covariance: it has a negative variance in some direction")
+    return array
+
+
+def set_given_covariances(instance: object, **sizes: int) -> None:
+    """Replaces each field of a frozen dataclass by its `covariance` of that size; None, not measured, stays None."""
+    for name, size in sizes.items():
+        if (given := getattr(instance, name)) is not None:
+            set_frozen(instance, **{name: covariance(given, size, name)})

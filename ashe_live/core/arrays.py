@@ -37,6 +37,8 @@ def frozen_floats(values: ArrayLike, shape: tuple[int, ...], name: str) -> Float
     """
     is_frozen = isinstance(values, np.ndarray) and values.base is None and not values.flags.writeable
     try:
+        if (kind := np.asarray(values).dtype).kind not in "biufO":  # what NumPy would make floats of: text, dates, ...
+            raise TypeError(f"they are {kind}")
         array = np.asarray(values, dtype=np.float64) if is_frozen else np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise type(error)(f"{name} must be numbers of the shape {_shape_text(shape)} ({error})") from None

@@ -10,12 +10,13 @@ from numpy.typing import ArrayLike
 
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Float, frozen_floats, read_only_copies, set_frozen
-from ashe_live.core.ranges import DISTORTION, DRAWN, FIELD_OF_VIEW, FOCAL, PIXEL
+from ashe_live.core.ranges import DISTORTION, DRAWN, FIELD_OF_VIEW, FOCAL, FOCAL_ERROR, PIXEL
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
 
 Size = tuple[int, int]
 LEAST_SKEW = 1e-6  # of the focal length: what is less comes from rounding
+MOST_ASIDE = 1000.0  # focal lengths from the picture to the principal point: nearly at right angles to the view
 MOST_OBLONG = 1.5  # sides of pixels, one over the other: those of wide-screen DVDs have 1.42
 CameraSource = Literal["file", "flag", "exif", "assumed", "estimated"]
 
@@ -69,8 +70,6 @@ class Camera:
         set_frozen(self, K=frozen_floats(self.K, (3, 3), "K"), dist=frozen_floats(dist, (-1,), "dist"))
         set_frozen(self, size=arguments.picture_size(self.size, "size"))
         arguments.one_of(self.source, FOCAL_SIGMA, "source")
-        if math.isnan(self.focal_sigma_px):
-            set_frozen(self, focal_sigma_px=FOCAL_SIGMA[self.source] * float(self.K[0, 0]))
         if not np.array_equal(self.K[2], (0, 0, 1)):
             raise ValueError("K needs the last row 0 0 1")
         if self.K[1, 0] != 0:
@@ -83,12 +82,20 @@ class Camera:
             *((f"dist[{index}]", value, DISTORTION) for index, value in enumerate(self.dist)),
         ):
             allowed.checked(float(value), name)
+        for axis, (focal_px, middle_px) in enumerate(((self.K[0, 0], self.K[0, 2]), (self.K[1, 1], self.K[1, 2]))):
+            beside_px = max(-middle_px, middle_px - self.size[axis])
+            if beside_px > MOST_ASIDE * focal_px:
+                raise ValueError(
+                    f"the principal point K[{axis}][2] is {beside_px:g} px beside the picture, and the focal length "
+                    f"{focal_px:g} px: no lens looks so far aside"
+                )
         if abs(self.K[0, 1]) > LEAST_SKEW * self.K[0, 0]:
             raise ValueError(f"the skew K[0][1] is {self.K[0, 1]:g} px, and OpenCV's model of cameras has none")
         if len(self.dist) not in DISTORTION_LENGTHS:
             raise ValueError(f"dist has {len(self.dist)} coefficients, not one of {DISTORTION_LENGTHS}")
-        if not 0 <= self.focal_sigma_px < math.inf:
-            raise ValueError(f"focal_sigma_px is a standard deviation, and cannot be {self.focal_sigma_px:g}")
+        is_given = not (isinstance(self.focal_sigma_px, float) and math.isnan(self.focal_sigma_px))
+        sigma_px = self.focal_sigma_px if is_given else FOCAL_SIGMA[self.source] * float(self.K[0, 0])
+        set_frozen(self, focal_sigma_px=FOCAL_ERROR.checked(sigma_px, "focal_sigma_px"))
 
     @classmethod
     def from_focal(
@@ -110,13 +117,16 @@ class Camera:
     @classmethod
     def from_longer_side(cls, size: Size, fov_deg: float, source: CameraSource = "flag") -> "Camera":
         """As `from_hfov`, but the picture's longer side, be it a row or a column, spans `fov_deg`."""
-        focal_px = cls.from_hfov((max(size), min(size)), fov_deg).K[0, 0]
+        FIELD_OF_VIEW.checked(fov_deg, "fov_deg")
+        width, height = arguments.picture_size(size, "size")
+        focal_px = cls.from_hfov((max(width, height), min(width, height)), fov_deg).K[0, 0]
         return cls.from_focal(size, float(focal_px), source)
 
     @classmethod
     def assumed(cls, size: Size) -> "Camera":
         """A camera of which nothing is known."""
-        fov_deg = ASSUMED_UPRIGHT_FOV_DEG if size[1] > size[0] else ASSUMED_FOV_DEG
+        width, height = arguments.picture_size(size, "size")
+        fov_deg = ASSUMED_UPRIGHT_FOV_DEG if height > width else ASSUMED_FOV_DEG
         return cls.from_longer_side(size, fov_deg, "assumed")
 
     @property
@@ -138,7 +148,7 @@ class Camera:
 
         Raises ValueError when the aspect ratio differs by more than rounding to whole pixels explains.
         """
-        if size == self.size:
+        if arguments.picture_size(size, "size") == self.size:
             return self
         scales = np.divide(size, self.size)
         # Either side may be the rounded one, and the shorter one's rounding weighs more.

@@ -11,12 +11,13 @@ import numpy as np
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Float, Mask, frozen_floats, read_only_copies, set_frozen, set_given_frozen, set_views
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.ranges import ANGLE, INVERSE_DISTANCE, LAMP_RADIUS, SHARE
+from ashe_live.core.ranges import ANGLE, ANGULAR_SIZE, INVERSE_DISTANCE, LAMP_RADIUS, SHARE
 from ashe_live.core.transforms import angles_from_direction, normalised
 from ashe_live.core.types import TrackedFrame
 
 LEAST_INVERSE_DISTANCE = 1e-100  # 1/m: what is farther away counts as a sun, as squares of smaller numbers are 0
 LEAST_REST = 1e-6  # share of all other light by which a lamp's is divided
+LEAST_SINE = 1e-9  # of a light's elevation: one that is lower is in the plane, as it has no shadow that can be computed
 
 
 @read_only_copies
@@ -40,8 +41,8 @@ class Light:
     intensity_rgb_ratio: (3,) linear RGB, of a lamp: its irradiance on the plane at the marker's centre, over that of
     all other light.
 
-    Raises ValueError for a direction of length 0, an array of another shape and a number beyond its range
-    (core/ranges.py), TypeError for what is no number.
+    Raises ValueError for a direction of length 0, an array of another shape, a number beyond its range (core/ranges.py)
+    and a covariance that is not symmetric or has a negative variance, TypeError for what is no number.
     """
 
     to_light_marker: Float
@@ -56,18 +57,17 @@ class Light:
     intensity_rgb_ratio: Float | None = None
 
     def __post_init__(self) -> None:
-        direction = frozen_floats(self.to_light_marker, (3,), "to_light_marker")
-        if not direction.any():
+        given = frozen_floats(self.to_light_marker, (3,), "to_light_marker")
+        if not given.any():
             raise ValueError("to_light_marker has no direction")
-        set_frozen(self, to_light_marker=frozen_floats(normalised(direction), (3,), "to_light_marker"))
-        for name, allowed in (("sigma_rad", ANGLE), ("confidence", SHARE), ("angular_size_rad", ANGLE)):
-            if getattr(self, name) is not None:
-                allowed.checked(getattr(self, name), name)
-        if INVERSE_DISTANCE.checked(self.inverse_distance, "inverse_distance") < LEAST_INVERSE_DISTANCE:
-            set_frozen(self, inverse_distance=0.0)
-        if self.radius_m is not None:
-            LAMP_RADIUS.checked(self.radius_m, "radius_m")
-        set_given_frozen(self, covariance_rad2=(2, 2), lamp_covariance=(3, 3))
+        direction = normalised(given)
+        direction[2] *= abs(direction[2]) > LEAST_SINE
+        set_frozen(self, to_light_marker=frozen_floats(direction, (3,), "to_light_marker"))
+        sizes = {"angular_size_rad": ANGULAR_SIZE, "radius_m": LAMP_RADIUS}
+        arguments.set_given_numbers(self, sigma_rad=ANGLE, confidence=SHARE, **sizes)
+        nearness = INVERSE_DISTANCE.checked(self.inverse_distance, "inverse_distance")
+        set_frozen(self, inverse_distance=0.0 if nearness < LEAST_INVERSE_DISTANCE else nearness)
+        arguments.set_given_covariances(self, covariance_rad2=2, lamp_covariance=3)
         set_given_frozen(self, shadow_rgb_ratio=(3,), intensity_rgb_ratio=(3,))
 
     @property

@@ -23,9 +23,11 @@ class ProxyMesh:
 
     def __post_init__(self) -> None:
         points = frozen_floats(self.points_marker, (-1, 3), "points_marker")
-        triangles = np.asarray(self.triangles, dtype=np.uint32)
-        if triangles.ndim != 2 or triangles.shape[1] != 3 or (triangles.size and int(triangles.max()) >= len(points)):
+        given = np.asarray(self.triangles)
+        is_right = given.ndim == 2 and given.shape[1] == 3 and given.size > 0 and given.dtype.kind in "iu"
+        if not is_right or int(given.min()) < 0 or int(given.max()) >= len(points):
             raise ValueError(f"triangles must be (m, 3) indices of the {len(points)} points")
+        triangles = given.astype(np.uint32, copy=False)
         set_frozen(self, points_marker=points, triangles=frozen_view(triangles))
 
 
@@ -40,6 +42,8 @@ class Proxy:
 
     def __post_init__(self) -> None:
         set_frozen(self, spheroids_marker=frozen_floats(self.spheroids_marker, (-1, 5), "spheroids_marker"))
+        if not len(self.spheroids_marker):
+            raise ValueError("spheroids_marker has none, and so no body")
         if self.mesh is not None:
             arguments.instance(self.mesh, ProxyMesh, "mesh")
 

@@ -5,12 +5,15 @@ whose Illumination the renderer draws in.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ashe_live.core import arguments
 from ashe_live.core.arrays import (
     Float,
+    GivenImage,
     Image,
     frozen_floats,
     frozen_view,
@@ -20,7 +23,7 @@ from ashe_live.core.arrays import (
 )
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import PoseShapeErrors, Proxy
-from ashe_live.core.ranges import MARKER_SIDE
+from ashe_live.core.ranges import INDEX, MARKER_SIDE, TIME
 from ashe_live.core.square import PlaneMarker
 
 RIGID_WITHIN = 0.02  # of products of axes: a matrix that was written down with two decimals is off by 0.0174 at most
@@ -34,15 +37,25 @@ class Frame:
     image_bgr: (h, w, 3) uint8 sRGB, OpenCV's channel order, read-only.
     index, time_s: 0 for the source's first frame; the time since then, at capture, seconds.
 
-    Raises TypeError for what is no array, ValueError for one of another shape or type.
+    Raises TypeError for what is no array or number, ValueError for an array of another shape or type, and for a number
+    beyond its range (core/ranges.py).
     """
 
     image_bgr: Image
     index: int
     time_s: float
 
+    if TYPE_CHECKING:  # OpenCV's types do not say that pictures are uint8
+
+        def __init__(self, image_bgr: GivenImage, index: int, time_s: float) -> None: ...
+
     def __post_init__(self) -> None:
-        set_frozen(self, image_bgr=frozen_view(arguments.picture(self.image_bgr, "image_bgr")))
+        set_frozen(
+            self,
+            image_bgr=frozen_view(arguments.picture(self.image_bgr, "image_bgr")),
+            index=arguments.whole_number(self.index, INDEX, "index"),
+            time_s=TIME.checked(self.time_s, "time_s"),
+        )
 
     @property
     def size(self) -> tuple[int, int]:
@@ -70,7 +83,8 @@ class MarkerPose:
     pose_shape_errors: how pose and body may be off; of the pose it is `covariance`.
 
     Raises ValueError for an array of another shape, for what is not finite or, as a pose that scales or mirrors, not
-    rigid, and for a side beyond MARKER_SIDE.
+    rigid, for a covariance that is not symmetric or has a negative variance, and for a side beyond MARKER_SIDE;
+    TypeError for what is no number and for another kind of body.
     """
 
     T_cam_marker: Float
@@ -85,16 +99,38 @@ class MarkerPose:
     body: Proxy | None = None
     pose_shape_errors: PoseShapeErrors | None = None
 
+    if TYPE_CHECKING:  # a calibration's arrays may be of any kind of number, or lists
+
+        def __init__(
+            self,
+            T_cam_marker: ArrayLike,
+            corners_px: ArrayLike,
+            side_m: float,
+            reprojection_rms_px: float,
+            other_rms_px: float | None,
+            covariance: ArrayLike | None = ...,
+            noise_covariance: ArrayLike | None = ...,
+            unfiltered_T_cam_marker: ArrayLike | None = ...,
+            bridged: bool = ...,
+            body: Proxy | None = ...,
+            pose_shape_errors: PoseShapeErrors | None = ...,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         set_frozen(
             self,
             T_cam_marker=frozen_floats(self.T_cam_marker, (4, 4), "T_cam_marker"),
             corners_px=frozen_floats(self.corners_px, (4, 2), "corners_px"),
         )
-        set_given_frozen(self, covariance=(6, 6), noise_covariance=(6, 6), unfiltered_T_cam_marker=(4, 4))
+        arguments.set_given_covariances(self, covariance=6, noise_covariance=6)
+        set_given_frozen(self, unfiltered_T_cam_marker=(4, 4))
         _check_rigid(self.T_cam_marker, "T_cam_marker")
         _check_rigid(self.unfiltered_T_cam_marker, "unfiltered_T_cam_marker")
-        MARKER_SIDE.checked(self.side_m, "side_m")
+        set_frozen(self, side_m=MARKER_SIDE.checked(self.side_m, "side_m"))
+        if self.body is not None:
+            arguments.instance(self.body, Proxy, "body")
+        if self.pose_shape_errors is not None:
+            arguments.instance(self.pose_shape_errors, PoseShapeErrors, "pose_shape_errors")
 
     @property
     def measured_T_cam_marker(self) -> Float:
@@ -136,6 +172,8 @@ class TrackedFrame:
         arguments.instance(self.camera, Camera, "camera")
         if self.marker is not None:
             arguments.instance(self.marker, MarkerPose, "marker")
+        for other in arguments.instance(self.others, tuple, "others"):
+            arguments.instance(other, PlaneMarker, "each of others")
         set_given_frozen(self, T_room_marker=(4, 4))
         _check_rigid(self.T_room_marker, "T_room_marker")
         if self.camera.size != self.frame.size:

@@ -52,12 +52,14 @@ class Placement:
     shift_m: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        SCALE.checked(self.scale, "scale")
-        TURN.checked(self.turn_rad, "turn_rad")
         if not isinstance(self.shift_m, tuple) or len(self.shift_m) != 2:
             raise TypeError(f"shift_m must be (x, y), and is {self.shift_m!r:.40}")
-        for shift in self.shift_m:
-            SHIFT.checked(shift, "shift_m")
+        set_frozen(
+            self,
+            scale=SCALE.checked(self.scale, "scale"),
+            turn_rad=TURN.checked(self.turn_rad, "turn_rad"),
+            shift_m=tuple(SHIFT.checked(shift, "shift_m") for shift in self.shift_m),
+        )
 
     def __matmul__(self, first: "Placement") -> "Placement":
         """`first`, then this one: the product of their matrices."""

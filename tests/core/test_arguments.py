@@ -1,6 +1,7 @@
 """Wrong use from Python is named in words that can be read."""
 
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 from ashe_live.core import arguments
 from ashe_live.core.light import Illumination
+from ashe_live.core.ranges import Range
 
 
 @pytest.mark.parametrize(
@@ -59,3 +61,50 @@ def test_what_is_wrong_is_of_another_kind_or_value_and_named(
 ) -> None:
     with pytest.raises(error, match="image"):
         call()
+
+
+@pytest.mark.parametrize("half", [np.float16(0.5), np.float32(0.5), Fraction(1, 2), 0.5])
+def test_a_number_of_any_kind_becomes_a_float(half) -> None:
+    """In a range that ends beyond the largest float16, which warned; in sums with which a float16 stays one."""
+    checked = Range(0.0, 1e6, "m").checked(half, "side_m")
+    assert type(checked) is float
+    assert checked == 0.5
+
+
+@pytest.mark.parametrize("huge", [Fraction(10**400), 10**400, np.longdouble("1e4000"), np.inf])
+def test_a_number_beyond_every_float_is_beyond_its_range(huge) -> None:
+    with pytest.raises(ValueError, match="side_m must be a number"):
+        Range(0.0, 1e6, "m").checked(huge, "side_m")
+
+
+@pytest.mark.parametrize(
+    ("covariance", "said"),
+    [
+        ([(-1.0, 0.0), (0.0, 1.0)], "a variance in spread must be"),
+        ([(1e300, 0.0), (0.0, 1.0)], "a variance in spread must be"),
+        ([(1.0, 0.5), (0.0, 1.0)], "spread is not symmetric"),
+        ([(1.0, 2.0), (2.0, 1.0)], "spread is no covariance"),
+        ([(0.0, 1e-9), (1e-9, 1.0)], "spread is no covariance"),
+        ([(4e-12, -2.1e-3), (-2.1e-3, 1e6)], "spread is no covariance"),
+        (np.full((2, 2), np.nan), "not finite"),
+        (np.eye(3), "shape"),
+    ],
+)
+def test_what_is_no_covariance_is_named(covariance, said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        arguments.covariance(covariance, 2, "spread")
+
+
+def test_of_three_pairs_that_may_be_correlated_so_not_all_may() -> None:
+    """None of the correlations is beyond 1, but their matrix has the eigenvalue 1 - 2 * 0.9."""
+    with pytest.raises(ValueError, match="negative variance"):
+        arguments.covariance(1.9 * np.eye(3) - 0.9, 3, "spread")
+
+
+def test_every_covariance_may_be_rounded_and_in_any_units() -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(300):
+        by_causes = rng.normal(size=(6, rng.integers(1, 7))) * 10.0 ** rng.uniform(-9, 6, (6, 1))
+        arguments.covariance(np.asarray(by_causes @ by_causes.T, np.float32), 6, "spread")
+    for covariance in (np.zeros((6, 6)), 5e-324 * np.eye(6), 1e-310 * np.ones((6, 6))):
+        np.testing.assert_array_equal(arguments.covariance(covariance, 6, "spread"), covariance)

@@ -48,7 +48,17 @@ def test_another_shape_and_what_is_not_finite_are_refused(values: object) -> Non
         frozen_floats(values, (-1, 3), "points")
 
 
-@pytest.mark.parametrize(("values", "error"), [({}, TypeError), ("abc", ValueError), ([(1, 2), (3,)], ValueError)])
+@pytest.mark.parametrize(
+    ("values", "error"),
+    [
+        ({}, TypeError),
+        ("abc", TypeError),
+        ([("1", "2", "3")], TypeError),
+        (np.ones((1, 3), complex), TypeError),
+        (np.zeros((1, 3), "datetime64[s]"), TypeError),
+        ([(1, 2), (3,)], ValueError),
+    ],
+)
 def test_what_is_no_number_is_named(values: object, error: type[Exception]) -> None:
     with pytest.raises(error, match=r"points must be numbers of the shape \(n, 3\)"):
         frozen_floats(values, (-1, 3), "points")

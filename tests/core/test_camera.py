@@ -108,16 +108,34 @@ def test_what_is_too_large_to_be_drawn_is_reduced_and_keeps_its_shape(size: tupl
 @pytest.mark.parametrize("hfov_deg", [0.0, 180.0, -60.0, math.nan])
 def test_a_field_of_view_that_no_camera_has_is_named(hfov_deg: float) -> None:
     for make in (Camera.from_hfov, Camera.from_longer_side):
-        with pytest.raises(ValueError, match="hfov_deg"):
+        with pytest.raises(ValueError, match="fov_deg"):
             make((640, 480), hfov_deg)
     with pytest.raises(ValueError, match="focal_px"):
         Camera.from_focal((640, 480), 0.0)
 
 
-@pytest.mark.parametrize("sigma_px", [-1.0, math.inf])
+@pytest.mark.parametrize("sigma_px", [-1.0, math.inf, 1e300, None, "1", True, np.ones(2)])
 def test_a_deviation_that_no_focal_length_has_is_wrong_use(sigma_px: float) -> None:
-    with pytest.raises(ValueError, match="focal_sigma_px"):
+    with pytest.raises((ValueError, TypeError), match="focal_sigma_px"):
         Camera.from_focal((640, 480), 500.0, focal_sigma_px=sigma_px)
+
+
+def test_a_picture_nearly_at_right_angles_to_the_lens_is_refused() -> None:
+    """An estimate by such a camera ended in NumPy's words. A part cut out of a wide picture is as good as any."""
+    beside = np.array([(430.0, 0.0, 1e7), (0.0, 430.0, 240.0), (0.0, 0.0, 1.0)])
+    for K in (beside, beside[[1, 0, 2]][:, [1, 0, 2]]):
+        with pytest.raises(ValueError, match="principal point"):
+            Camera((640, 480), K, np.zeros(5), "file")
+    Camera((640, 480), [(430.0, 0.0, -9000.0), (0.0, 430.0, 4000.0), (0.0, 0.0, 1.0)], np.zeros(5), "file")
+
+
+def test_a_size_and_an_angle_of_another_kind_are_named() -> None:
+    for size in (None, 7, ("a", 3), (640.5, 480)):
+        for make in (Camera.assumed, Camera.from_hfov((640, 480), 60.0).resized):
+            with pytest.raises(TypeError, match="size"):
+                make(size)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="fov_deg"):
+        Camera.from_longer_side((640, 480), 200.0)
 
 
 def test_a_source_that_is_none_is_wrong_use() -> None:

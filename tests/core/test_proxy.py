@@ -18,7 +18,11 @@ def test_the_surface_is_the_mesh_where_there_is_one() -> None:
     assert len(Proxy("silhouettes", CORNERS).surface()[0]) > len(POINTS)
 
 
-@pytest.mark.parametrize("triangles", [TRIANGLES[:, :2], TRIANGLES + 1], ids=["pairs", "no such point"])
+@pytest.mark.parametrize(
+    "triangles",
+    [TRIANGLES[:, :2], TRIANGLES + 1, TRIANGLES.astype(int) - 1, TRIANGLES[:0], TRIANGLES + 0.5],
+    ids=["pairs", "no such point", "negative", "none", "fractions"],
+)
 def test_triangles_are_of_points(triangles: np.ndarray) -> None:
     with pytest.raises(ValueError, match="triangles"):
         ProxyMesh(POINTS, triangles)
@@ -27,6 +31,11 @@ def test_triangles_are_of_points(triangles: np.ndarray) -> None:
 def test_a_mesh_must_be_one() -> None:
     with pytest.raises(TypeError, match="mesh"):
         Proxy("silhouettes", CORNERS, POINTS)  # type: ignore[arg-type]
+
+
+def test_a_body_has_something_that_it_is_the_hull_of() -> None:
+    with pytest.raises(ValueError, match="no body"):
+        Proxy("silhouettes", np.zeros((0, 5)))
 
 
 BALL = np.array([[0.1, -0.2, 0.05, 0.05, 0.05]])

@@ -83,7 +83,15 @@ SEEN = TrackedFrame(frame(), CAMERA, POSE)
     ("make", "error", "named"),
     [
         (lambda: TrackedFrame(frame().image_bgr, CAMERA, POSE), TypeError, "frame"),
+        (lambda: Frame(frame().image_bgr, "a", 0.0), TypeError, "index"),
+        (lambda: Frame(frame().image_bgr, 0.5, 0.0), TypeError, "index"),
+        (lambda: Frame(frame().image_bgr, 10**18, 0.0), ValueError, "index"),  # as nanoseconds: drawing it failed
+        (lambda: Frame(frame().image_bgr, 0, math.nan), ValueError, "time_s"),
+        (lambda: Frame(frame().image_bgr, 0, None), TypeError, "time_s"),
         (lambda: TrackedFrame(frame(), CAMERA.K, POSE), TypeError, "camera"),
+        (lambda: dataclasses.replace(SEEN, others=(1,)), TypeError, "each of others"),
+        (lambda: dataclasses.replace(POSE, body=np.eye(4)), TypeError, "body"),
+        (lambda: dataclasses.replace(POSE, pose_shape_errors=np.eye(6)), TypeError, "pose_shape_errors"),
         (lambda: TrackedFrame(frame(), CAMERA, np.eye(4)), TypeError, "marker"),
         (lambda: TrackedFrame(frame(), CAMERA, POSE, T_room_marker=np.eye(3)), ValueError, "T_room_marker"),
         (lambda: dataclasses.replace(SEEN, clean_plate_bgr=np.zeros((4, 4, 3), np.uint8)), ValueError, "clean plate"),
@@ -104,6 +112,12 @@ SEEN = TrackedFrame(frame(), CAMERA, POSE)
         (lambda: Light((0.0, 0.0, 1.0), sigma_rad=math.inf), ValueError, "sigma_rad"),
         (lambda: Light((0.0, 0.0, 1.0), angular_size_rad="wide"), TypeError, "angular_size_rad"),
         (lambda: Light((0.0, 0.0, 1.0), radius_m=-0.1), ValueError, "radius_m"),
+        (lambda: Light((0.0, 0.0, 1.0), angular_size_rad=3.2), ValueError, "angular_size_rad"),
+        (lambda: Light((0.0, 0.0, 1.0), covariance_rad2=-np.eye(2)), ValueError, "covariance_rad2"),
+        (lambda: Light((0.0, 0.0, 1.0), lamp_covariance=-np.eye(3)), ValueError, "lamp_covariance"),
+        (lambda: Light((0.0, 0.0, 1.0), inverse_distance=None), TypeError, "inverse_distance"),
+        (lambda: MarkerPose(np.eye(4), CORNERS, 0.08, 0.1, None, -np.eye(6)), ValueError, "covariance"),
+        (lambda: dataclasses.replace(POSE, noise_covariance=-np.eye(6)), ValueError, "noise_covariance"),
     ],
 )
 def test_what_a_value_cannot_hold_is_named(make: Callable[[], object], error: type[Exception], named: str) -> None:
@@ -136,6 +150,12 @@ def test_a_pose_may_be_rounded() -> None:
         T = np.eye(4)
         T[:3, :3] = cv2.Rodrigues(rotation)[0].round(2)
         MarkerPose(T.astype(np.float32), CORNERS, 0.08, 0.1, None)
+
+
+def test_a_frame_may_be_counted_by_numpy_and_timed_by_a_clock() -> None:
+    counted = Frame(frame().image_bgr, np.int64(3), np.float32(0.5))
+    assert (type(counted.index), type(counted.time_s)) == (int, float)
+    assert Frame(frame().image_bgr, 3, 1.8e9).time_s == 1.8e9
 
 
 def test_a_value_with_fields_of_its_own_is_copied_with_them() -> None:

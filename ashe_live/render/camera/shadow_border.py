@@ -56,6 +56,8 @@ def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, light: ShadingLig
     points, outwards = along_sides(corners, PLACES)
     above, below = _along(body[outline]), _along(ground)
     is_cast = above[:, 2] > FOOT * body[:, 2].max()
+    if not is_cast.any():  # flat on the ground, or below it
+        return 0.0
     above, below = above[is_cast], below[is_cast]
     points, outwards = points.reshape(-1, 2)[is_cast], np.repeat(outwards, AROUND, axis=0)[is_cast]
     grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)

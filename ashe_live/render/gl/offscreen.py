@@ -29,7 +29,7 @@ STANDALONE: dict[str, Any] = {"standalone": True} | ({"backend": "egl"} if sys.p
 # The latter is moderngl's name for all errors newer than OpenGL 3, GL_CONTEXT_LOST among them.
 FATAL_ERRORS = ("GL_OUT_OF_MEMORY", "GL_UNKNOWN_ERROR")
 
-_users: set[int] = set()  # this process, if it has asked for a context, and those it was forked from that had
+_users: set[int] = set()  # this process, if it has had a context, and those it was forked from that had one
 
 
 def offscreen_context() -> moderngl.Context:
@@ -40,15 +40,16 @@ def offscreen_context() -> moderngl.Context:
     """
     if _users and os.getpid() not in _users:
         raise ValueError('OpenGL is of no use in a process forked from one that used it: start it by "spawn"')
-    _users.add(os.getpid())
     try:
-        return moderngl.create_context(GL_VERSION, **STANDALONE)
+        made = moderngl.create_context(GL_VERSION, **STANDALONE)
     except Exception as error:  # glcontext raises whatever the loader of shared libraries tells it
         detail = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise UserError(
             f"no OpenGL 3.3 without a display ({detail})",
             "install Mesa: apt-get install libegl1 libgl1 libgl1-mesa-dri",
         ) from error
+    _users.add(os.getpid())  # not before: a process without a context leaves nothing that its children could wait for
+    return made
 
 
 def window_context() -> moderngl.Context:

@@ -72,6 +72,13 @@ def test_a_softer_border_is_measured_where_it_is(stage, blur_px: float, shift_m:
     assert unexplained_border_px(tracked, POST, sun) == pytest.approx(expected, abs=0.2)
 
 
+@pytest.mark.parametrize("z", [0.0, -0.03])
+def test_a_body_that_is_flat_or_below_the_ground_has_no_border(stage, z: float) -> None:
+    """A picture with one ended in NumPy's words."""
+    tracked, sun = _painted(stage, 1.0)
+    assert unexplained_border_px(tracked, Proxy("flat", np.array([(0.1, 0.0, z, 0.02, 0.0)])), sun) == 0
+
+
 def test_what_the_lens_blurs_is_explained(stage) -> None:
     tracked, sun = _painted(stage, 0.0)
     assert unexplained_border_px(tracked, POST, sun) < 0.3

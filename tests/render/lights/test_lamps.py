@@ -207,7 +207,7 @@ def test_what_is_within_reach_of_the_lamp_has_no_view() -> None:
 
 
 def test_ground_below_a_lamp_that_lies_on_it_is_lit_finitely() -> None:
-    lamp = Light((0.3, 0.0, 1e-200), shadow_rgb_ratio=np.array(RATIO), inverse_distance=1 / 0.3)
+    lamp = Light((0.3, 0.0, 1e-9), shadow_rgb_ratio=np.array(RATIO), inverse_distance=1 / 0.3)
     lighting = lighting_of((lamp,))
     level = lighting.level_at(np.array([(0.3, 0.0), (0.0, 0.0), (-0.3, 0.0)]))
     np.testing.assert_allclose(level[1:], [[1.0] * 3, [0.2 + 0.8 / 8] * 3])
