@@ -27,7 +27,7 @@ from ashe_live.light.estimators.stating import Choice, chosen, illumination_of
 from ashe_live.light.estimators.view_search import Trace, ViewSearch
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.hidden_sky import depths_beyond_sky, is_of_sky_alone
-from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge
+from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge, good_by_pose
 from ashe_live.light.explanation.known_size import is_as_given
 from ashe_live.light.explanation.no_answer import (
     LOW_LAMP,
@@ -36,8 +36,8 @@ from ashe_live.light.explanation.no_answer import (
     OTHER_SIZE,
     SKY_ALONE,
     TOO_LITTLE_GROUND,
-    fault_of_distance,
     fault_of_exposure,
+    fault_of_place,
     fault_of_scene,
 )
 from ashe_live.light.lamps.fall.low_lamps import is_under_low_lamp
@@ -189,8 +189,9 @@ def _answer_by(
     illumination, explanation = illumination_of(choice, tracked, judge, preset)
     clock.end("judge")
     if (illumination.lights[0].confidence or 0.0) < judge.least_confidence:
-        # The direction from the object is known, but that from the marker is not, as far as it may be a lamp.
-        return _Answer(choice.look, explanation, reason=fault_of_distance(choice.explanation))
+        # The direction in the picture is known, but that at the marker is not: it may be a lamp, or the pose is unsure.
+        good = good_by_pose(illumination.lights[0].to_light_marker, tracked)
+        return _Answer(choice.look, explanation, reason=fault_of_place(choice.explanation, good))
     return _Answer(choice.look, explanation, illumination)
 
 

@@ -18,6 +18,7 @@ SKY_ALONE = "the ground is darker only where the object hides the sky: the light
 DOES_NOT_FIT = "what stands out from the ground does not fit an object and its shadow in one light"
 OTHER_SIZE = "the object does not look like the given caster: measure it again, stand it upright, or give none"
 NEAR_OR_FAR = "how far away the light is stays open, and so its direction at the marker: move the object to the marker"
+ROUGH_POSE = "how the marker lies stays open, and so the light's direction: show it larger, or from another side"
 LOW_LAMP = "a lamp seems to stand lower than the object's top, whose shadow then has no end: raise the lamp"
 CUT_OFF = "the shadow seems to leave the picture: show its far end"
 TOO_DARK = "the picture is too dark to tell shadow from light: more light, or a longer exposure"
@@ -37,6 +38,7 @@ PAPER, PAPER_PERCENTILE = 4 * DARK, 95
 STANDS_OUT = 0.3  # of an overexposed page, more than a thing and its shadow cover: else something else is at fault
 MARGIN_PERCENTILE = 75  # of the marker's sheet, half of which is black: a value of its white margin
 HARDLY = 0.1  # of its object's area: a shadow that is smaller is hidden behind the object, or none
+LEAST_GOOD_BY_POSE = 0.5  # probability below which the marker's pose is blamed
 LEAST_CUT_OFF = 0.1  # least confidence of an explanation whose shadow is said to leave the picture
 
 
@@ -86,8 +88,13 @@ def fault_of_scene(explanation: Explanation, confidence: float) -> str:
     return HARDLY_A_SHADOW if hidden else DOES_NOT_FIT
 
 
-def fault_of_distance(explanation: Explanation) -> str:
-    """Why the direction from the marker to an explanation's light stays open, for the user."""
+def fault_of_place(explanation: Explanation, good_by_pose: float) -> str:
+    """Why the direction from the marker to an explanation's light stays open, for the user.
+
+    good_by_pose: the probability that the marker's pose does not put it off.
+    """
+    if good_by_pose < LEAST_GOOD_BY_POSE:
+        return ROUGH_POSE
     return CUT_OFF if _is_cut_off(explanation) else NEAR_OR_FAR
 
 

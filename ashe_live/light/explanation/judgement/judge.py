@@ -22,7 +22,7 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.context import NO_CONTEXT, Context, context_features
 from ashe_live.light.explanation.judgement.evidence import appearance, evidence
 from ashe_live.light.explanation.judgement.judge_tables import Average, Tables, read_tables
-from ashe_live.light.explanation.judgement.uncertainty import Calibration, covariance_of_outlines
+from ashe_live.light.explanation.judgement.uncertainty import Calibration, covariance_of_outlines, covariance_of_pose
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import Materials
@@ -83,13 +83,16 @@ class Judge:
         return good_if_right(by_outlines, self.tables.good_if_open)
 
     def lights_of(self, explanation: Explanation, confidence: float, tracked: TrackedFrame) -> tuple[Light, ...]:
-        """The lights of an explanation with covariance, sigma and confidence, the strongest first."""
+        """The lights of an explanation with covariance, sigma and confidence, the strongest first.
+
+        confidence: that of the explanation. A light's is less where the marker's pose leaves its direction open.
+        """
         calibration = self._calibration_of(explanation)
         lights = []
         for fitted in explanation.lights:
             covariance = calibration.covariance(fitted, confidence, tracked)
-            sigma_rad = radius_of_68_percent(covariance)
-            lights.append(Light(fitted.to_light_marker, covariance, sigma_rad, confidence))
+            sure = confidence * good_by_pose(fitted.to_light_marker, tracked)
+            lights.append(Light(fitted.to_light_marker, covariance, radius_of_68_percent(covariance), sure))
         return tuple(lights)
 
     def shared_rad2(self, to_light_marker: Float, tracked: TrackedFrame) -> Float:
@@ -177,6 +180,11 @@ def _own_features(explanation: Explanation) -> Mapping[str, float]:
 def probability_of_good(covariance_rad2: Float) -> float:
     """Probability that a direction of this covariance (2, 2) is within GOOD_RAD of the truth."""
     return -math.expm1(RAYLEIGH_68 * (GOOD_RAD / max(radius_of_68_percent(covariance_rad2), 1e-9)) ** 2)
+
+
+def good_by_pose(to_light_marker: Float, tracked: TrackedFrame) -> float:
+    """Probability that the marker's pose puts a direction (3,) no farther off than GOOD_RAD."""
+    return probability_of_good(covariance_of_pose(to_light_marker, tracked))
 
 
 def good_if_right(covariance_rad2: Float, good_if_open: float) -> float:

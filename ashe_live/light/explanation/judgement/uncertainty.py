@@ -52,7 +52,7 @@ class Calibration:
         outlines' part has in it how the marker's body and with it its pose may be off.
         """
         doubt = (self.doubt_rad * (1 - confidence) ** self.doubt_power) ** 2 * np.eye(2)
-        by_pose = _covariance_of_pose(fitted.to_light_marker, tracked, has_shape_errors)
+        by_pose = covariance_of_pose(fitted.to_light_marker, tracked, has_shape_errors)
         return np.asarray(self.of_outlines(fitted) + by_pose + doubt)
 
     def of_outlines(self, fitted: FittedLight) -> Float:
@@ -60,8 +60,11 @@ class Calibration:
         return covariance_of_outlines(overdispersed(fitted.covariance_rad2, fitted.unseen_end, self.overdispersion))
 
 
-def _covariance_of_pose(to_light_marker: Float, tracked: TrackedFrame, has_shape_errors: bool) -> Float:
-    """(2, 2) rad^2 on the direction's tangent basis: by the marker's rotation, and the focal length in it."""
+def covariance_of_pose(to_light_marker: Float, tracked: TrackedFrame, has_shape_errors: bool = False) -> Float:
+    """(2, 2) rad^2 on the tangent basis of a direction (3,): by the marker's rotation, and the focal length in it.
+
+    has_shape_errors: as of `Calibration.covariance`.
+    """
     marker = tracked.pose
     total = np.zeros((2, 2))
     if marker.covariance is not None:

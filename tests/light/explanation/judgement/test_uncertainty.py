@@ -11,6 +11,8 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import PoseShapeErrors
 from ashe_live.core.transforms import radius_of_68_percent, tangent_basis
 from ashe_live.core.types import TrackedFrame
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.explanation.judgement.judge import good_by_pose
 from ashe_live.light.explanation.judgement.uncertainty import FLOOR_RAD, Calibration, overdispersed
 from ashe_live.light.shape.directions import HEMISPHERE_RAD, FittedLight
 from tests.light.painted_scenes import BOX, paint
@@ -124,3 +126,33 @@ def test_what_outlines_say_of_the_pose_as_the_body_may_be_off_counts_once(tracke
     rigid = by_pose(replace(tracked, marker=marker))
     np.testing.assert_allclose(by_pose(folded), rigid)
     np.testing.assert_allclose(by_pose(replace(tracked, marker=marker), has_shape_errors=True), rigid)
+
+
+def turned_by(sigma_deg: float, tracked: TrackedFrame) -> TrackedFrame:
+    """Whose marker's rotation is known to this standard deviation about each axis."""
+    assert tracked.marker is not None
+    covariance = np.diag([math.radians(sigma_deg) ** 2] * 3 + [1e-8] * 3)
+    return replace(tracked, marker=replace(tracked.marker, covariance=covariance))
+
+
+@pytest.mark.parametrize("sigma_deg", [1.0, 4.0, 8.0, 57.0])
+def test_a_pose_puts_directions_off_as_often_as_its_turns_do(sigma_deg: float, tracked: TrackedFrame) -> None:
+    turns = np.random.default_rng(1).normal(0.0, math.radians(sigma_deg), (4000, 3))
+    # In the tangent plane, as the covariance is, where turns of a radian lead farther than on the sphere.
+    off = np.linalg.norm(np.cross(turns, TO_LIGHT), axis=1)
+    assert good_by_pose(TO_LIGHT, turned_by(sigma_deg, tracked)) == pytest.approx(
+        np.mean(off < math.radians(10)), abs=0.02
+    )
+
+
+def test_no_answer_is_surer_than_the_pose_determines_it(tracked: TrackedFrame) -> None:
+    sure, less, open_pose = (ProxyEstimator().estimate(turned_by(sigma, tracked)) for sigma in (0.1, 5.0, 57.0))
+    assert sure.light is not None
+    assert less.light is not None
+    assert sure.light.confidence is not None
+    assert less.light.confidence == pytest.approx(
+        sure.light.confidence * good_by_pose(less.light.to_light_marker, turned_by(5.0, tracked)), abs=0.02
+    )
+    assert open_pose.light is None
+    assert open_pose.reason is not None
+    assert open_pose.reason.startswith("how the marker lies stays open")
