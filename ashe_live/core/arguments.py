@@ -96,6 +96,8 @@ def set_given_numbers(instance: object, **ranges: Range) -> None:
 def covariance(value: ArrayLike, size: int, name: str) -> Float:
     """Returns (size, size) as `frozen_floats`, which must be symmetric, with no negative variance in any direction."""
     array = frozen_floats(value, (size, size), name)
+    if _is_definite(array):
+        return array
     for variance in array.diagonal():
         VARIANCE.checked(float(variance), f"a variance in {name}")
     sigmas = np.sqrt(array.diagonal())
@@ -107,6 +109,18 @@ def covariance(value: ArrayLike, size: int, name: str) -> Float:
     if is_beyond.any() or np.linalg.eigvalsh(correlations)[0] < -CORRELATED_WITHIN:
         raise ValueError(f"{name} is no covariance: it has a negative variance in some direction")
     return array
+
+
+def _is_definite(array: Float) -> bool:
+    """Whether a matrix (n, n) is clearly a covariance: what is measured in each frame is, and soon found out to be."""
+    least = CORRELATED_WITHIN * array.diagonal().min()
+    if not (0 < array.trace() <= VARIANCE.high and np.abs(array - array.T).max() <= least):
+        return False
+    try:
+        np.linalg.cholesky(array)
+    except np.linalg.LinAlgError:
+        return False
+    return True
 
 
 def set_given_covariances(instance: object, **sizes: int) -> None:
