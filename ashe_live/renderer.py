@@ -171,13 +171,22 @@ class Renderer:
                 opened(model_file(name)).close()
 
     def _model(self, name: str, side_m: float, up: str | None) -> PlacedModel:
-        """The same object again for the same name, as it is uploaded once, until its file changes."""
+        """The same object again for the same name, as it is uploaded once, until its file changes.
+
+        While another program writes the file, which is not whole then, what was read before is drawn on.
+        """
         key, stamp = (name, side_m, up), _stamp(name)
-        known = self._placed.pop(key, None)
+        known = self._placed.get(key)
         if known is None or stamp not in (None, known[0]):
-            known = stamp, read_model(name, side_m, up)
-            for note in known[1].model.notes:
-                warnings.warn(f"{name}: {note}", ModelWarning, stacklevel=3)
+            try:
+                known = stamp, read_model(name, side_m, up)
+            except UserError:
+                if known is None:
+                    raise
+            else:
+                for note in known[1].model.notes:
+                    warnings.warn(f"{name}: {note}", ModelWarning, stacklevel=3)
+        self._placed.pop(key, None)
         self._placed[key] = known
         while len(self._placed) > MOST_KEPT:
             del self._placed[next(iter(self._placed))]

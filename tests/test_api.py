@@ -324,6 +324,12 @@ def test_a_models_file_is_read_anew_where_it_has_changed_and_drawn_on_where_it_i
         changed = renderer.render(tracked, file)
         assert np.any(changed != before)
         np.testing.assert_array_equal(changed, renderer.render(tracked, other))
+        file.write_text("")  # another program has begun to write it anew
+        np.testing.assert_array_equal(changed, renderer.render(tracked, file))
+        file.write_text(flat)
+        np.testing.assert_array_equal(before, renderer.render(tracked, file))
+        file.write_text(upright)
+        renderer.render(tracked, file)
         file.unlink()
         np.testing.assert_array_equal(changed, renderer.render(tracked, file))
 

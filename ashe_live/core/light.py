@@ -61,7 +61,7 @@ class Light:
         if not given.any():
             raise ValueError("to_light_marker has no direction")
         direction = normalised(given)
-        direction[2] *= abs(direction[2]) > LEAST_SINE
+        direction[2] = direction[2] if abs(direction[2]) > LEAST_SINE else 0.0
         set_frozen(self, to_light_marker=frozen_floats(direction, (3,), "to_light_marker"))
         sizes = {"angular_size_rad": ANGULAR_SIZE, "radius_m": LAMP_RADIUS}
         arguments.set_given_numbers(self, sigma_rad=ANGLE, confidence=SHARE, **sizes)

@@ -84,7 +84,7 @@ class MarkerPose:
 
     Raises ValueError for an array of another shape, for what is not finite or, as a pose that scales or mirrors, not
     rigid, for a covariance that is not symmetric or has a negative variance, and for a side beyond MARKER_SIDE;
-    TypeError for what is no number and for another kind of body.
+    TypeError for what is no number in these and for another kind of body.
     """
 
     T_cam_marker: Float

@@ -90,10 +90,12 @@ def test_a_lamp_farther_away_than_can_be_computed_with_is_a_sun(inverse_distance
     assert (light.kind, light.inverse_distance, light.position_marker_m) == ("directional", 0.0, None)
 
 
-@pytest.mark.parametrize("z", [1e-300, -1e-300, 1e-12, 5e-324])
+@pytest.mark.parametrize("z", [1e-300, -1e-300, 1e-12, -1e-12, 5e-324])
 def test_a_light_as_low_as_rounding_is_in_the_plane_and_has_no_shadow(z: float) -> None:
     """The shadow of a lamp there could not be computed, and drawing it failed."""
-    assert Light((0.6, 0.8, z)).to_light_marker.tolist() == [0.6, 0.8, 0.0]
+    light = Light((0.6, 0.8, z))
+    assert light.to_light_marker.tolist() == [0.6, 0.8, 0.0]
+    assert not np.signbit(light.to_light_marker[2])
 
 
 @pytest.mark.parametrize("inverse_distance", [-1.0, -0.01, np.nan, np.inf, 1e4])

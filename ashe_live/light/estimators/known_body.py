@@ -11,8 +11,15 @@ from ashe_live.core.light import Illumination, Light, LightEstimate, StageClock
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import TrackedFrame
+from ashe_live.light.explanation.judgement.judge import good_by_pose
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
-from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
+from ashe_live.light.explanation.no_answer import (
+    LEAST_GOOD_BY_POSE,
+    NO_SHADOW,
+    ROUGH_POSE,
+    TOO_LITTLE_GROUND,
+    fault_of_exposure,
+)
 from ashe_live.light.known_body.found_light import SOFT_RAD, FoundLight, darkenings_rgb, images_beside, masks_of
 from ashe_live.light.known_body.lights import Found, lights_of
 from ashe_live.light.known_body.outline.folded import beside_folds
@@ -78,6 +85,8 @@ def estimate_by_body(
     else:  # of one light's shadow the other's takes the middle
         dark = found.dark_rgb if len(likely) == len(found.lights) else darkenings_rgb(found.seen, likely)
     illumination = _illumination(found.seen, likely, dark, tracked)
+    if all(good_by_pose(each.to_light_marker, tracked) < LEAST_GOOD_BY_POSE for each in illumination.lights):
+        return none(ROUGH_POSE)
     body_mask, shadow_mask = masks_of(seen, likely)
     clock.end("judge")
     estimate = answered(illumination, object_mask=body_mask, shadow_mask=shadow_mask, timing_ms=clock.timing_ms())
@@ -137,7 +146,7 @@ def _light_of(found: FoundLight, taken: Float, tracked: TrackedFrame) -> Light:
         by_edges.to_light_marker,
         covariance_rad2=covariance,
         sigma_rad=radius_of_68_percent(covariance),
-        confidence=found.confidence,
+        confidence=found.confidence * good_by_pose(by_edges.to_light_marker, tracked, found.has_folds),
         shadow_rgb_ratio=left,
     )
     if found.is_lamp:

@@ -26,7 +26,7 @@ from ashe_live.viewer.view_options import WHOLE, ShownParts
 MOST_LIGHTS = 16  # at once, by hand: more than are drawn
 KINDS = ("directional", "lamp")
 SEATS = range(100)  # places for models at one marker: more than anybody will see
-ANGULAR_SIZE_DEG = Range(0.0, 360.0, "degrees")
+ANGULAR_SIZE_DEG = Range(0.0, 180.0, "degrees")
 INTENSITY = Range(0.0, 1e6)  # of a lamp over all other light: beyond that, its shadow is black in any picture
 MOST_BYTES = 100_000_000  # of a file: an hour in which something is moved in every frame
 

@@ -208,3 +208,23 @@ def test_a_crooked_cubes_light_is_estimated_better_by_how_its_folds_move_the_sha
     assert beside_folds < 0.9 * as_tracked
     assert np.median(sigmas) < 2.5
     assert max(sigmas) < 2 * ELLIPSE_95
+
+
+def test_no_answer_is_surer_than_the_pose_of_the_cube() -> None:
+    scene = CubeScene(CAMERA, looking(0.5, 45, 30), [sun(200, 40)])
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
+    assert tracked.marker is not None
+
+    def turned_by(sigma_deg: float) -> LightEstimate:
+        covariance = np.diag([math.radians(sigma_deg) ** 2] * 3 + [1e-8] * 3)
+        marker = dataclasses.replace(tracked.marker, covariance=covariance, pose_shape_errors=None)
+        return make_estimator("proxy").estimate(dataclasses.replace(tracked, marker=marker))
+
+    (sure,), (less,), open_pose = turned_by(0.1).lights, turned_by(6.0).lights, turned_by(57.0)
+    assert sure.confidence is not None
+    assert less.confidence is not None
+    # A direction moves by turns about two axes: within 10 degrees with probability 1 - exp(-(10 / 6)^2 / 2).
+    assert less.confidence == pytest.approx(sure.confidence * (1 - math.exp(-((10 / 6) ** 2) / 2)), abs=0.05)
+    assert open_pose.light is None
+    assert open_pose.reason is not None
+    assert open_pose.reason.startswith("how the marker lies stays open")
