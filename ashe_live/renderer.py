@@ -173,19 +173,21 @@ class Renderer:
     def _model(self, name: str, side_m: float, up: str | None) -> PlacedModel:
         """The same object again for the same name, as it is uploaded once, until its file changes.
 
-        While another program writes the file, which is not whole then, what was read before is drawn on.
+        What was read before is drawn on while another program writes the file, which is not whole then.
         """
         key, stamp = (name, side_m, up), _stamp(name)
         known = self._placed.get(key)
         if known is None or stamp not in (None, known[0]):
             try:
-                known = stamp, read_model(name, side_m, up)
-            except UserError:
+                placed = read_model(name, side_m, up)
+                notes = placed.model.notes
+            except UserError as error:
                 if known is None:
                     raise
-            else:
-                for note in known[1].model.notes:
-                    warnings.warn(f"{name}: {note}", ModelWarning, stacklevel=3)
+                placed, notes = known[1], (f"{error}; the model that was read before is drawn",)
+            known = stamp, placed
+            for note in notes:
+                warnings.warn(f"{name}: {note}", ModelWarning, stacklevel=3)
         self._placed.pop(key, None)
         self._placed[key] = known
         while len(self._placed) > MOST_KEPT:

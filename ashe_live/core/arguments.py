@@ -102,7 +102,8 @@ def covariance(value: ArrayLike, size: int, name: str) -> Float:
         VARIANCE.checked(float(variance), f"a variance in {name}")
     sigmas = np.sqrt(array.diagonal())
     products, rounding = np.outer(sigmas, sigmas), np.finfo(np.float64).tiny
-    if (np.abs(array - array.T) > CORRELATED_WITHIN * products + rounding).any():
+    # Halves, as the difference of the largest numbers is none.
+    if (np.abs(array / 2 - array.T / 2) > CORRELATED_WITHIN / 2 * products + rounding).any():
         raise ValueError(f"{name} is not symmetric, and so no covariance")
     correlations = np.divide(array, products, out=np.zeros_like(array), where=products > rounding)
     is_beyond = np.abs(array) > (1 + CORRELATED_WITHIN) * products + rounding
@@ -113,8 +114,10 @@ def covariance(value: ArrayLike, size: int, name: str) -> Float:
 
 def _is_definite(array: Float) -> bool:
     """Whether a matrix (n, n) is clearly a covariance: what is measured in each frame is, and soon found out to be."""
-    least = CORRELATED_WITHIN * array.diagonal().min()
-    if not (0 < array.trace() <= VARIANCE.high and np.abs(array - array.T).max() <= least):
+    least = array.diagonal().min()
+    if least <= 0 or np.abs(array).max() > VARIANCE.high:
+        return False
+    if np.abs(array - array.T).max() > CORRELATED_WITHIN * least:
         return False
     try:
         np.linalg.cholesky(array)

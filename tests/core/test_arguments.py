@@ -84,6 +84,8 @@ def test_a_number_beyond_every_float_is_beyond_its_range(huge) -> None:
         ([(1e300, 0.0), (0.0, 1.0)], "a variance in spread must be"),
         ([(1.0, 0.5), (0.0, 1.0)], "spread is not symmetric"),
         ([(1.0, 2.0), (2.0, 1.0)], "spread is no covariance"),
+        ([(1e308, 0.0), (0.0, 1e308)], "a variance in spread"),  # without a word of NumPy's on the way
+        ([(1.0, 1e308), (-1e308, 1.0)], "spread is not symmetric"),
         ([(0.0, 1e-9), (1e-9, 1.0)], "spread is no covariance"),
         ([(4e-12, -2.1e-3), (-2.1e-3, 1e6)], "spread is no covariance"),
         (np.full((2, 2), np.nan), "not finite"),

@@ -146,7 +146,7 @@ def _light_of(found: FoundLight, taken: Float, tracked: TrackedFrame) -> Light:
         by_edges.to_light_marker,
         covariance_rad2=covariance,
         sigma_rad=radius_of_68_percent(covariance),
-        confidence=found.confidence * good_by_pose(by_edges.to_light_marker, tracked, found.has_folds),
+        confidence=found.confidence * good_by_pose(by_edges.to_light_marker, tracked),
         shadow_rgb_ratio=left,
     )
     if found.is_lamp:

@@ -69,7 +69,8 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination, is_draft: bo
         covered |= hole
         copied, shade = known & ~hole, np.ones_like(shade)  # its shadows go with it
     ground = filled(lit, hole, copied, side_px if body is None else COARSER * side_px)
-    if ground is None and body is None:  # the real object hides the page, and other ground is better than the marker
+    if ground is None and body is None and (copied != known).any():
+        # The real object hides the page, and other ground is better than the marker.
         ground = filled(lit, hole, known, side_px)
     far_px = distances_from(covered)
     around = _beside(far_px, plane.is_seen, side_px)

@@ -33,14 +33,14 @@ THING_SIDES = 0.06  # radius of discs that fit into what is dark beyond that rea
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sheet:
+class SheetMasks:
     """What is covered of a rectified picture (n, n) of the plane."""
 
     mask: Mask  # (n, n) the sheet with its rim and its own shadow, or the square with a margin
     surroundings: Mask  # (n, n) what goes on under the cover: the page alone, if it is the square on a page
 
 
-def sheet_of(lit: Float32, is_ground: Mask, side_px: float) -> Sheet:
+def sheet_of(lit: Float32, is_ground: Mask, side_px: float) -> SheetMasks:
     """The sheet in a rectified picture (n, n, 3) of the plane, linear RGB.
 
     is_ground: (n, n) seen, lit alike. side_px: the marker's side; the marker is in the middle. Where the paper cannot
@@ -64,7 +64,8 @@ def sheet_of(lit: Float32, is_ground: Mask, side_px: float) -> Sheet:
         # Else colours and lines of the ground beyond the page would be continued on it.
         if not rectangle.any() and paper_there[is_ground & (away > PAGE_HALF_SIDES)].any():
             surroundings = cv2.erode(paper_there.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0
-    return Sheet(_with_own_shadow(sheet, lit @ REC709_LUMINANCE.astype(np.float32), is_ground, side_px), surroundings)
+    brightness = lit @ REC709_LUMINANCE.astype(np.float32)
+    return SheetMasks(_with_own_shadow(sheet, brightness, is_ground, side_px), surroundings)
 
 
 def _with_own_shadow(sheet: Mask, brightness: Float32, is_ground: Mask, side_px: float) -> Mask:

@@ -182,12 +182,9 @@ def probability_of_good(covariance_rad2: Float) -> float:
     return -math.expm1(RAYLEIGH_68 * (GOOD_RAD / max(radius_of_68_percent(covariance_rad2), 1e-9)) ** 2)
 
 
-def good_by_pose(to_light_marker: Float, tracked: TrackedFrame, has_shape_errors: bool = False) -> float:
-    """Probability that the marker's pose puts a direction (3,) no farther off than GOOD_RAD.
-
-    has_shape_errors: as of `Calibration.covariance`.
-    """
-    return probability_of_good(covariance_of_pose(to_light_marker, tracked, has_shape_errors))
+def good_by_pose(to_light_marker: Float, tracked: TrackedFrame) -> float:
+    """Probability that the marker's pose puts a direction (3,) no farther off than GOOD_RAD."""
+    return probability_of_good(covariance_of_pose(to_light_marker, tracked))
 
 
 def good_if_right(covariance_rad2: Float, good_if_open: float) -> float:

@@ -23,8 +23,9 @@ from ashe_live.light.labels.two_lights import are_two_shadows, materials_of_two
 from ashe_live.light.shape.predicted import Predicted, predicted, predicted_of
 
 TRIED = 2  # candidates for the second light
-# How much a second light must lower the unary costs, and the least mean clarity of its shadow's borders: true second
-# shadows have 0.3 and more, what an object hides of the sky, or mirrors onto the ground beside it, often less.
+# How much a second light must lower the unary costs, and the least mean clarity of its shadow's borders: nearly all
+# true second shadows that were looked at have 0.3 and more, what an object hides of the sky often less
+# (docs/accuracy/sets.md says on which pictures this was chosen).
 LEAST_GAIN, LEAST_CLARITY = 2 * COST_PER_PARAMETER, 0.28
 NEAR_RAD = math.radians(10)  # of lights that count as one
 PART = 0.8  # of a shadow's pixels: so many lie in another shadow that it is a part of

@@ -30,9 +30,9 @@ class Contour:
 
 def contour_of(mask: Mask) -> Contour | None:
     """The contour of a mask (h, w), blurred, at its level 0.5; None for one of hardly any pixels."""
-    # With one pixel more on every side, as the level set lies between pixels.
     if not mask.size:
         return None
+    # With one pixel more on every side, as the level set lies between pixels.
     window = window_around(mask, 1)
     labels, sizes = labelled(mask[window], connectivity=8)
     if sizes.max() < LEAST_PX:
