@@ -67,11 +67,9 @@ def _starts(one: Explanation, view: SceneView, region_px: int) -> list[FittedPro
     """The object of `one` with each candidate for its shadow."""
     starts: list[FittedProposal] = []
     for candidate in shadow_candidates(one.proxy, NO_LIGHTS, view.coarse, view.ground, TRIED):
-        shift = candidate.shift(view.ground)
-        if shift is not None:
-            start = replace(one.lit, lights=candidate.light[None])
-            region = candidate.region(start, view, region_px)
-            starts.append(proposal_of(start, region, materials_of(region, view.ground, shift)))
+        start = replace(one.lit, lights=candidate.light[None])
+        region = candidate.region(start, view, region_px)
+        starts.append(proposal_of(start, region, materials_of(region, view.ground, candidate.shift)))
     return starts
 
 

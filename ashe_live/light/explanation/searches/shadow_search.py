@@ -35,6 +35,7 @@ RADII, AREA_FRACTIONS = np.array([0.4, 0.8]), np.array([0.4, 0.6])
 OUTSIDE_PX, BLUR_PX = 3.0, 1.2
 AROUND = 8  # points on a body's rings
 BESIDE_PX, LEAST_PX = 2, 25
+SPARSE, LEAST_VARIANCE = 5, 1e-4  # every which lit pixel its unevenness is measured by; added to its variances
 DARKEST, BRIGHTEST = -0.8, 0.5  # clip of a pixel's log-opponent difference from its surroundings, against outliers
 LIT = 6.0  # largest squared distance of a lit pixel's colour from the ground's palette
 SURROUNDINGS = 2.0  # radius of the surroundings, in units of the body's size
@@ -49,12 +50,7 @@ class ShadowCandidate:
 
     light: Float  # (4,) homogeneous point at infinity, marker frame, with z = 1
     area: Mask  # (h, w) its visible part in the coarse picture, outside of the body and of known shadows
-    difference: Float  # (3,) mean log-opponent colour of the area less that of the ground around it
-
-    def shift(self, ground: LitGround) -> Float | None:
-        """(3,) the shift of the ground's colours in it; None where too little is seen or it is too pale."""
-        shift = shift_near(ground.colours[self.area], ground, self.difference)
-        return None if shift is None or shift[0] > PALEST else shift
+    shift: Float  # (3,) the shift of the ground's colours in it, log-opponent
 
     def region(self, lit: LitBody, view: SceneView, region_px: int) -> Region:
         """The part of the view that holds the candidate and the body with its shadows, scaled to `region_px`."""
@@ -66,16 +62,20 @@ def shadow_candidates(
 ) -> list[ShadowCandidate]:
     """Up to `count` candidates for a shadow of a body beside those in known lights, by falling signal-to-noise ratio.
 
-    The signal is a candidate's difference from the ground around it, the noise that ground's own unevenness.
+    The signal is a candidate's difference from the ground around it. Where a light is known, the noise is the
+    unevenness of lit ground, or a candidate's own where that is larger, as in parts of other things; else that of all
+    ground, as a shadow that stands out nowhere lies on a pattern. Candidates without a shadow's colours are left out.
     known_lights: (l, 4) homogeneous points, marker frame; (0, 4) where none is known. coarse: the view that `ground`
     was fitted to.
     """
     known = predicted(proxy, known_lights, coarse)
     free = coarse.is_ground & ~grown(known.whole, BESIDE_PX)
-    if np.count_nonzero(free) < LEAST_PX:
+    is_lit = free & (ground.squared_distance < LIT)
+    if np.count_nonzero(is_lit) < LEAST_PX:
         return []
-    uneven = _unevenness(ground, free, SURROUNDINGS * math.sqrt(known.body.sum()))
-    matched_filter = _MatchedFilter.of(proxy, coarse, free, uneven)
+    uneven = _unevenness(ground, is_lit, SURROUNDINGS * math.sqrt(known.body.sum()))
+    is_second = len(known_lights) > 0
+    matched_filter = _MatchedFilter.of(proxy, coarse, free, uneven, is_lit if is_second else free, is_second)
     azimuths, lengths = (each.ravel() for each in np.meshgrid(np.radians(AZIMUTHS), LENGTHS))
     ratios, _ = matched_filter.responses(_lights(azimuths, lengths))
     found: list[ShadowCandidate] = []
@@ -91,7 +91,9 @@ def shadow_candidates(
             ratios_nearby, differences = matched_filter.responses(nearby)
             best = int(ratios_nearby.argmax())
             area = predicted(proxy, nearby[best : best + 1], coarse).shadow & free
-            found.append(ShadowCandidate(nearby[best], area, differences[best]))
+            shift = shift_near(ground.colours[area], ground, differences[best])
+            if shift is not None and shift[0] < PALEST:
+                found.append(ShadowCandidate(nearby[best], area, shift))
     return found
 
 
@@ -101,9 +103,9 @@ def _lights(azimuths: Float, lengths: Float) -> Float:
     return at_infinity(np.column_stack([x, y, np.ones_like(x)]))
 
 
-def _unevenness(ground: LitGround, free: Mask, reach_px: float) -> Float32:
+def _unevenness(ground: LitGround, is_lit: Mask, reach_px: float) -> Float32:
     """(h, w, 3) difference of each pixel's colour from the mean of the lit ground around it, clipped."""
-    around = mean_nearby(ground.colours, free & (ground.squared_distance < LIT), int(reach_px))
+    around = mean_nearby(ground.colours, is_lit, int(reach_px))
     return (ground.colours - around).clip(DARKEST, BRIGHTEST)
 
 
@@ -113,16 +115,20 @@ class _MatchedFilter:
 
     points: Float  # (n, 3) of the body, marker frame
     image_from_ground: Float  # (3, 3)
-    layers: Float32  # (h, w, 4) unevenness where ground is not yet explained, and a last channel of 1 there; blurred
-    precision: Float  # (3, 3) inverse covariance of the unevenness
+    # (h, w, 7) unevenness where ground is not yet explained, its squares, and a last channel of 1 there; blurred
+    layers: Float32
+    covariance: Float  # (3, 3) of the noise
+    is_even: bool  # whether a shadow has no more than that: Welch's test of two means, and not Student's
 
     @staticmethod
-    def of(proxy: Proxy, view: View, free: Mask, uneven: Float32) -> "_MatchedFilter":
+    def of(
+        proxy: Proxy, view: View, free: Mask, uneven: Float32, is_noise: Mask, is_even: bool = False
+    ) -> "_MatchedFilter":
         image_from_ground = image_from_plane(view.camera, view.T_cam_marker)
-        precision = np.asarray(np.linalg.inv(np.cov(uneven[free][::5].T) + 1e-4 * np.eye(3)), dtype=np.float64)
-        layers = np.dstack([uneven * free[..., None], free]).astype(np.float32)
+        covariance = np.cov(uneven[is_noise][::SPARSE].T) + LEAST_VARIANCE * np.eye(3)
+        layers = (np.dstack([uneven, uneven**2, np.ones_like(free)]) * free[..., None]).astype(np.float32)
         layers = np.asarray(cv2.GaussianBlur(layers, (0, 0), BLUR_PX), dtype=np.float32)
-        return _MatchedFilter(proxy.points_marker(AROUND), image_from_ground, layers, precision)
+        return _MatchedFilter(proxy.points_marker(AROUND), image_from_ground, layers, covariance, is_even)
 
     def responses(self, lights: Float) -> tuple[Float, Float]:
         """(m,) signal-to-noise ratios, 0 where too little is seen, and (m, 3) colour differences of the shadows in
@@ -136,14 +142,18 @@ class _MatchedFilter:
         inner = np.concatenate([centre + radius * (points - centre) for radius in RADII], axis=1)
         areas = 0.5 * np.abs(cross_2d(arms, sides))
         areas = np.repeat(areas / len(ALONG_SIDE), len(ALONG_SIDE), axis=1)
-        inside, inside_px = self._mean(inner, np.concatenate([part * areas for part in AREA_FRACTIONS], axis=1))
+        weights = np.concatenate([part * areas for part in AREA_FRACTIONS], axis=1)
+        inside, variances, inside_px = self._moments(inner, weights)
         lengths = np.repeat(np.linalg.norm(sides, axis=2) / len(ALONG_SIDE), len(ALONG_SIDE), axis=1)
         outer = points + OUTSIDE_PX * np.repeat(NORMALS, len(ALONG_SIDE), axis=0)
-        outside, outside_px = self._mean(outer, OUTSIDE_PX * lengths)
+        outside, _, outside_px = self._moments(outer, OUTSIDE_PX * lengths)
         difference = inside - outside
         # The variance of a difference of two means adds up.
         sample_size = inside_px * outside_px / np.maximum(inside_px + outside_px, 1.0)
-        ratio = np.sqrt(np.einsum("mi,ij,mj->m", difference, self.precision, difference) * sample_size)
+        if self.is_even:
+            sample_size /= np.maximum(1.0, (variances / np.diag(self.covariance)).mean(axis=1))
+        precision = np.linalg.inv(self.covariance)
+        ratio = np.sqrt(np.einsum("mi,ij,mj->m", difference, precision, difference) * sample_size)
         is_dark = difference[:, 0] < -LEAST_DARKENING
         return np.where(is_seen & (np.minimum(inside_px, outside_px) > LEAST_PX) & is_dark, ratio, 0.0), difference
 
@@ -158,11 +168,12 @@ class _MatchedFilter:
         farthest = (pixels @ DIRECTIONS.T).argmax(axis=1)
         return np.take_along_axis(pixels, farthest[..., None], axis=1), is_seen
 
-    def _mean(self, points: Float, weights: Float) -> tuple[Float, Float]:
-        """(m, 3) weighted means of the unevenness at (m, k) points; (m,) the sum of weights at unexplained ground."""
+    def _moments(self, points: Float, weights: Float) -> tuple[Float, Float, Float]:
+        """(m, 3) weighted means and variances of the unevenness at (m, k) points; (m,) the free weights' sum."""
         height, width = self.layers.shape[:2]
         columns, rows = np.round(points).astype(np.intp).transpose(2, 0, 1)
         inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
         seen = self.layers[rows.clip(0, height - 1), columns.clip(0, width - 1)]
         total = np.einsum("mk,mkc->mc", weights * inside, seen)
-        return total[:, :3] / np.maximum(total[:, 3:], 1e-6), total[:, 3]
+        means, mean_squares = np.split(total[:, :-1] / np.maximum(total[:, -1:], 1e-6), 2, axis=1)
+        return means, mean_squares - means**2, total[:, -1]

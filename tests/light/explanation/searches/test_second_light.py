@@ -12,6 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.explanation.normal_equations import placed_in
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.second_light import with_lights_counted
 from ashe_live.light.explanation.searches.shadow_search import DIRECTIONS, _MatchedFilter, shadow_candidates
@@ -61,7 +62,7 @@ def test_a_shadow_candidate_gives_direction_and_strength_of_the_second_light(gro
     assert len(found) == 1
     assert math.degrees(angle_between(found[0].light[:3], other.to_light)) < 8
     darker = math.log(1 - np.mean(other.blocked_rgb))
-    assert found[0].difference[0] == pytest.approx(darker, rel=0.35)
+    assert found[0].shift[0] == pytest.approx(darker, rel=0.35)
 
 
 def test_a_known_lamp_far_away_leaves_what_a_known_sun_does() -> None:
@@ -71,7 +72,7 @@ def test_a_known_lamp_far_away_leaves_what_a_known_sun_does() -> None:
         shadow_candidates(BODY, light[None], *seen(painted), 1) for light in (at_infinity(painted.to_light), lamp)
     )
     np.testing.assert_array_equal(by_sun.area, by_lamp.area)
-    np.testing.assert_allclose(by_lamp.difference, by_sun.difference, rtol=1e-3)
+    np.testing.assert_allclose(by_lamp.shift, by_sun.shift, rtol=1e-3)
 
 
 def test_the_shadow_of_a_known_lamp_is_no_candidate() -> None:
@@ -91,7 +92,7 @@ def test_shadows_are_tried_where_suns_and_lamps_cast_them() -> None:
     lamp = np.array([*((*CYLINDER.at, 0.0) + 0.25 * direction(100.0, 45.0)), 1.0])
     lights = np.array([lamp, at_infinity(direction(100.0, 45.0))])
     cube = Proxy("box", np.array([(x, y, z, 0, 0) for x in (0.1, 0.15) for y in (0.0, 0.05) for z in (0.0, 0.06)]))
-    tried = _MatchedFilter.of(cube, view, view.is_ground, ground.colours)
+    tried = _MatchedFilter.of(cube, view, view.is_ground, ground.colours, view.is_ground)
     found, is_seen = tried._outlines(lights)
     assert is_seen.all()
     for outline, true in zip(found, outlines(cube, lights, view)[1:], strict=True):
@@ -119,6 +120,26 @@ def test_both_lights_are_answered(caster: Caster, other: OtherLight) -> None:
     assert max(errors_deg(estimate, painted.to_light, other.to_light)) < 3
     apart = angle_between(estimate.lights[0].to_light_marker, estimate.lights[1].to_light_marker)
     assert apart == pytest.approx(angle_between(painted.to_light, other.to_light), abs=math.radians(4))
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=["box", "cylinder"])
+def test_a_window_is_found_beside_a_sun(caster: Caster) -> None:
+    """The border of its shadow is a penumbra, here as wide as a third of the object."""
+    painted = paint(caster, other=STRONG, penumbra_px=12.0)
+    estimate = estimated(painted)
+    assert len(estimate.lights) == 2
+    assert max(errors_deg(estimate, painted.to_light, STRONG.to_light)) < 3
+    assert min(light.confidence for light in estimate.lights) > 0.8
+
+
+def test_other_things_on_the_table_hide_no_second_light() -> None:
+    """Lit ground says how clear a pale shadow is, not the objects beside it."""
+    black = Caster("box", at=(-0.13, 0.12), width_m=0.09, height_m=0.09, rgb=(0.01, 0.01, 0.02))
+    red = Caster("box", at=(-0.13, -0.1), width_m=0.09, height_m=0.06, rgb=(0.7, 0.02, 0.02))
+    painted = paint(CYLINDER, black, red, other=PALE)
+    found = shadow_candidates(BODY, at_infinity(painted.to_light)[None], *seen(painted), 1)
+    assert len(found) == 1
+    assert math.degrees(angle_between(found[0].light[:3], PALE.to_light)) < 8
 
 
 def test_each_light_leaves_its_own_shadow_colour() -> None:
@@ -213,13 +234,18 @@ def test_a_pair_with_one_shadow_cut_short_gives_way_to_the_pair_with_all_of_it(e
             assert max(errors) < 0.05
 
 
-@pytest.mark.parametrize(("clear", "is_light"), [(0.2, False), (0.35, True)])
-def test_a_shadow_of_whose_border_little_is_seen_is_no_second_lights(clear: float, is_light: bool) -> None:
+@pytest.mark.parametrize(("turned_deg", "is_light"), [(0.0, True), (70.0, False)])
+def test_a_shadow_of_whose_border_little_is_seen_is_no_second_lights(turned_deg: float, is_light: bool) -> None:
     """Of an object's dark surroundings, where it hides the sky, some border always agrees with some light's shadow."""
     painted = paint(BOX, other=STRONG)
     _, trace = ProxyEstimator().traced(painted.tracked)
     both = trace.judged[int(np.argmax(trace.probabilities))]
-    pair = replace(both, alignment=replace(both.alignment, clear_shadows=(0.9, clear)))
+    placed = both.alignment.placed
+    lights = placed.lit.lights.copy()
+    apart = [angle_between(to_light, STRONG.to_light) for to_light in placed.lit.to_lights_marker]
+    lights[np.argmin(apart)] = at_infinity(direction(STRONG.azimuth_deg + turned_deg, STRONG.elevation_deg))
+    (moved,) = placed_in([(replace(placed.lit, lights=lights), placed.sight, placed.costs)])
+    pair = replace(both, alignment=replace(both.alignment, placed=moved))
     view, ground = seen(painted)
     scene = SceneView(0, View.of(painted.tracked, BALANCED.fine_width_px), view, ground)
     found = with_lights_counted([pair], [], scene, BALANCED.region_px, lambda one: float(len(one.lights)))
