@@ -144,12 +144,6 @@ def measured(several: Sequence[PlacedBody]) -> list[Alignment]:
     return found
 
 
-def clear_shadows_within(placed: PlacedBody, range_share: float) -> tuple[float, ...]:
-    """The mean clarity along each shadow's outline of a border within `range_share` of the object's size of it."""
-    clarity = normal_equations([placed], range_share, 1.0).borders.clarity.reshape(-1, POINTS_PER_OUTLINE)
-    return tuple(map(_mean_of_known, clarity[1:]))
-
-
 def _ends_in_view(lights: Float, by_theta: Float, in_view: Mask) -> tuple[float, ...]:
     """(l,) fraction of each shadow's far end in view, weighted by how far its points move as the shadow lengthens.
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ashe_live.core.arrays import without
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, SEARCH_RANGES, clear_shadows_within
+from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.explain import aligned_explanations, explanation_criterion, proposal_of
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.scene_view import SceneView
@@ -23,10 +23,10 @@ from ashe_live.light.labels.two_lights import are_two_shadows, materials_of_two
 from ashe_live.light.shape.predicted import Predicted, predicted, predicted_of
 
 TRIED = 2  # candidates for the second light
-# How much a second light must lower the unary costs, and the least mean clarity of its shadow's border. As that may be
-# as wide as a window's penumbra, it is looked for in the widest search range (docs/accuracy/sets.md says on which
-# pictures this was chosen).
-LEAST_GAIN, LEAST_CLARITY = 2 * COST_PER_PARAMETER, 0.7
+# How much a second light must lower the unary costs, and the least mean clarity of its shadow's borders: nearly all
+# true second shadows that were looked at have 0.3 and more, what an object hides of the sky often less
+# (docs/accuracy/sets.md says on which pictures this was chosen).
+LEAST_GAIN, LEAST_CLARITY = 2 * COST_PER_PARAMETER, 0.28
 NEAR_RAD = math.radians(10)  # of lights that count as one
 PART = 0.8  # of a shadow's pixels: so many lie in another shadow that it is a part of
 
@@ -66,18 +66,13 @@ def with_lights_counted(
 
 def _shows_both(both: Explanation, singles: Sequence[Explanation]) -> bool:
     """Whether both shadows are clear, by two lights, and no single one explains the region at a lower criterion."""
-    if _are_near(both) or min(_clear_shadows(both)) < LEAST_CLARITY:
+    if _are_near(both) or min(both.alignment.clear_shadows) < LEAST_CLARITY:
         return False
     return all(
         explanation_criterion(both) <= explanation_criterion(single)
         for single in singles
         if single.region is both.region
     )
-
-
-def _clear_shadows(both: Explanation) -> tuple[float, ...]:
-    """The mean clarity of each shadow's border, which may be wide."""
-    return clear_shadows_within(both.alignment.placed, max(SEARCH_RANGES))
 
 
 def _are_near(both: Explanation) -> bool:
@@ -131,7 +126,7 @@ def _tried(one: Explanation, candidate: ShadowCandidate, view: SceneView, region
     if not are_two_shadows(proposal.split.parts):
         return None
     (both,) = aligned_explanations([fitted])
-    if both is None or _are_near(both) or _clear_shadows(both)[second] < LEAST_CLARITY:
+    if both is None or _are_near(both) or both.alignment.clear_shadows[second] < LEAST_CLARITY:
         return None
     costs = Costs(region, materials, proposal.as_object)
     alone = min(costs.of(_without(second, each)) for each in (predicted_of(start, region.view), both.predicted))
