@@ -34,8 +34,11 @@ class Renderer:
 
     Elsewhere, in a forked process, and after `release`, its methods raise ValueError: OpenGL would hang or crash there.
     So does making one in a process that was forked from one with a renderer: `multiprocessing` has to "spawn" it.
-    What signals raise, as Ctrl-C does or a notebook's button, waits until the picture is drawn.
+    What signals raise, as Ctrl-C does or a notebook's button, waits until the picture is drawn. One that is never
+    released keeps its memory, and is a ResourceWarning, as an open file is.
     """
+
+    _is_released = True  # until it is made
 
     def __init__(self, size: Size, quality: str = "balanced") -> None:
         """`size` is the width and height of the pictures to come, in pixels, into which the video's are fitted.
@@ -51,10 +54,10 @@ class Renderer:
         DRAWN.checked(size[0] * size[1], "the number of pixels in size")
         preset = quality_named(quality).render
         self._maker = os.getpid(), threading.get_ident()
-        self._is_released = False
         self._context = offscreen_context()
         with self._context:
             self._renderer = SceneRenderer(self._context, preset, size)
+        self._is_released = False
         self._placed: dict[tuple[str, float, str | None], tuple[Stamp | None, PlacedModel]] = {}  # drawn last: last
         self._places = FirstPlaces()
         self._chosen_for: tuple[Light | None, bool] | None = None  # light, and whether there is a body that is seen
@@ -141,6 +144,12 @@ class Renderer:
 
     def __exit__(self, *_: object) -> None:
         self.release()
+
+    def __del__(self) -> None:
+        # Not released here, which may be in another thread, or within another renderer's drawing: that would fail.
+        if not self._is_released and self._maker[0] == os.getpid():
+            said = "a renderer was never released: its memory stays taken until the program ends (use it by `with`)"
+            warnings.warn(said, ResourceWarning, stacklevel=2, source=self)
 
     def _check_usable(self) -> None:
         if self._is_released:

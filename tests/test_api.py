@@ -10,6 +10,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import warnings
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -538,6 +539,19 @@ def test_a_renderer_is_for_its_own_thread_and_process_and_until_it_is_released()
         renderer.release()
     with pytest.raises(ValueError, match="released"):
         renderer.render(TRACKED, "cube")
+
+
+def test_a_renderer_that_is_never_released_is_a_resource_warning():
+    with pytest.warns(ResourceWarning, match="never released"):
+        al.Renderer((64, 48))
+        gc.collect()
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        with pytest.raises(ValueError, match="quality"):
+            al.Renderer((64, 48), "no such")
+        al.Renderer((64, 48)).release()
+        gc.collect()
+    assert not [each for each in warned if "never released" in str(each.message)]
 
 
 def test_a_process_that_is_forked_from_one_with_a_renderer_refuses_to_make_another():

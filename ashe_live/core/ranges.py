@@ -3,6 +3,7 @@
 import math
 import numbers
 from dataclasses import dataclass
+from decimal import Decimal
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +64,8 @@ CAMERA_NUMBER = Range(0, 65535)
 
 
 def _plain(number: float) -> str:
-    """Without an exponent, in which nobody would write a whole number."""
-    return f"{number:f}".rstrip("0").rstrip(".")
+    """All its digits, as a rounded limit may lie beyond it, without an exponent, in which nobody would write them."""
+    return f"{Decimal(repr(number)):f}".removesuffix(".0")
 
 
 def _shown(value: object) -> str:

@@ -1,5 +1,6 @@
 """Wrong use from Python is named in words that can be read."""
 
+import math
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core import arguments
-from ashe_live.core.light import Illumination
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.ranges import Range
 
 
@@ -69,6 +70,13 @@ def test_a_number_of_any_kind_becomes_a_float(half) -> None:
     checked = Range(0.0, 1e6, "m").checked(half, "side_m")
     assert type(checked) is float
     assert checked == 0.5
+
+
+def test_a_number_hardly_beyond_a_range_is_not_told_a_limit_that_it_is_within() -> None:
+    """As a float32's pi, by a limit rounded up."""
+    with pytest.raises(ValueError, match="from 0 to 3.14159265[0-9]* rad, and is 3.14159274"):
+        Light((0.0, 0.0, 1.0), angular_size_rad=float(np.float32(math.pi)))
+    assert str(Range(1e-6, 1e6, "m")) == "from 0.000001 to 1000000 m"
 
 
 @pytest.mark.parametrize("huge", [Fraction(10**400), 10**400, np.longdouble("1e4000"), np.inf])

@@ -123,9 +123,11 @@ class Keeper:
             return False
         # All frames of a clip have one size, so another source ends the recording.
         if self._recording.size == drawn_size(self._session.tracked.frame.size):
+            frame = self._session.tracked.frame.index
             if self.clip_path is not None:
-                self._as_shown.add(self._session.tracked.frame.index, shown_now(self._session))
-            is_taken = self._recording.take(lambda: self._picture(bare_scene(self._session)), is_new, now_s)
+                self._as_shown.add(frame, shown_now(self._session))
+            new_frame = frame if is_new else None
+            is_taken = self._recording.take(lambda: self._picture(bare_scene(self._session)), new_frame, now_s)
             if self._recording.failure is None:
                 return is_taken
         self.finish(now_s)

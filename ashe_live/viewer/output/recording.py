@@ -20,22 +20,29 @@ class Slots:
         self._fps = fps
         self._start_s: float | None = None
         self._last = -1
-        self.missed = 0  # slots that stayed empty before a new picture: of a source that stands still none is missed
+        self._last_frame: int | None = None
+        # Slots that stayed empty while the source had a frame for each: one that stands still has none.
+        self.missed = 0
 
-    def time_s(self, now_s: float, is_new: bool) -> float | None:
+    def time_s(self, now_s: float, new_frame: int | None) -> float | None:
         """The time of the slot that a picture at `now_s` takes, counted from the first one; None if it is not needed.
 
-        Without a new picture from the source (paused, a photo) the last one is taken again when a slot is overdue.
+        new_frame: the index of the source's frame in the picture. Without a new one (None: paused, a photo) the last
+        picture is taken again when a slot is overdue.
         """
         if self._start_s is None:
             self._start_s = now_s
+        skipped = 0
+        if new_frame is not None:
+            if self._last_frame is not None:
+                skipped = max(0, new_frame - self._last_frame - 1)
+            self._last_frame = new_frame
         at = (now_s - self._start_s) * self._fps
         ahead = at - (self._last + 1)
-        if ahead <= -1 or (not is_new and ahead < 0.5):
+        if ahead <= -1 or (new_frame is None and ahead < 0.5):
             return None
         taken = self._last + 1 if ahead < 1 else round(at)
-        if is_new:
-            self.missed += taken - self._last - 1
+        self.missed += min(skipped, taken - self._last - 1)
         self._last = taken
         return self._last / self._fps
 
@@ -50,9 +57,12 @@ class Recording:
         self._recorder = Recorder(path, size, fps, overwrite)
         self._slots = Slots(fps)
 
-    def take(self, picture: Callable[[], Image], is_new: bool, now_s: float) -> bool:
-        """Adds a picture, (h, w, 3) uint8 BGR, if one is due, and only then makes it; returns whether it was added."""
-        time_s = None if self.failure is not None else self._slots.time_s(now_s, is_new)
+    def take(self, picture: Callable[[], Image], new_frame: int | None, now_s: float) -> bool:
+        """Adds a picture, (h, w, 3) uint8 BGR, if one is due, and only then makes it; returns whether it was added.
+
+        new_frame: as of `Slots.time_s`.
+        """
+        time_s = None if self.failure is not None else self._slots.time_s(now_s, new_frame)
         if time_s is None:
             return False
         try:

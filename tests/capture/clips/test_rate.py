@@ -135,7 +135,7 @@ def test_of_uneven_times_it_is_the_rate_at_which_no_frame_is_left_out(
         assert source.fps is not None
         slots = Slots(source.fps)
         times_s = [frame.time_s for frame in source]
-        taken = [slots.time_s(time_s, is_new=True) for time_s in times_s]
+        taken = [slots.time_s(time_s, frame) for frame, time_s in enumerate(times_s)]
         assert source.duration_s == pytest.approx(times_s[-1], abs=1e-3)
         assert source.note is None
     assert source.fps == pytest.approx(30, rel=0.001)

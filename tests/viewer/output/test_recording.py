@@ -11,7 +11,7 @@ DISPLAY_HZ = 60.0
 
 
 def times(slots: Slots, shown_s: list[float]) -> list[float | None]:
-    return [slots.time_s(now_s, True) for now_s in shown_s]
+    return [slots.time_s(now_s, frame) for frame, now_s in enumerate(shown_s)]
 
 
 @pytest.mark.parametrize("fps", [12.0, 24.0, 25.0, 30000 / 1001, 50.0, 60.0])
@@ -29,7 +29,7 @@ def test_a_gap_in_the_source_is_a_gap_in_the_recording():
 
 def test_while_paused_the_last_picture_fills_the_slots():
     slots = Slots(25.0)
-    found = [slots.time_s(tick / DISPLAY_HZ, False) for tick in range(1, 601)]
+    found = [slots.time_s(tick / DISPLAY_HZ, None) for tick in range(1, 601)]
     taken = [time_s for time_s in found if time_s is not None]
     assert taken == pytest.approx(np.arange(len(taken)) / 25)
     assert len(taken) == pytest.approx(250, abs=1)
@@ -37,7 +37,7 @@ def test_while_paused_the_last_picture_fills_the_slots():
 
 def test_while_paused_a_slow_display_misses_no_picture():
     slots = Slots(25.0)
-    found = [slots.time_s(tick / 10, is_new=tick == 0) for tick in range(20)]
+    found = [slots.time_s(tick / 10, 0 if tick == 0 else None) for tick in range(20)]
     assert None not in found
     assert slots.missed == 0
 
@@ -60,7 +60,7 @@ def test_the_recorded_clip_has_the_rate_and_every_picture_once(tmp_path):
     recording = Recording(tmp_path / "a.mp4", (64, 48), 24.0)
     for n in range(48):
         shown_s = np.ceil(n / 24 * DISPLAY_HZ) / DISPLAY_HZ
-        recording.take(lambda n=n: np.full((48, 64, 3), 4 * n, np.uint8), True, 7.0 + shown_s)
+        recording.take(lambda n=n: np.full((48, 64, 3), 4 * n, np.uint8), n, 7.0 + shown_s)
     assert recording.finish() == recording.finish() == f"saved {tmp_path / 'a.mp4'} (48 frames)"
     with ClipSource(tmp_path / "a.mp4") as clip:
         assert clip.fps == pytest.approx(24)
@@ -71,7 +71,7 @@ def test_the_recorded_clip_has_the_rate_and_every_picture_once(tmp_path):
 
 def test_one_picture_is_a_frame(tmp_path):
     recording = Recording(tmp_path / "a.mp4", (64, 48), 24.0)
-    recording.take(lambda: np.zeros((48, 64, 3), np.uint8), True, 1.0)
+    recording.take(lambda: np.zeros((48, 64, 3), np.uint8), 0, 1.0)
     assert recording.finish() == f"saved {tmp_path / 'a.mp4'} (1 frame)"
 
 
@@ -82,15 +82,28 @@ def test_after_a_failure_no_picture_is_asked_for(tmp_path, monkeypatch):
         raise UserError("the disk is full", "make room")
 
     monkeypatch.setattr(recording._recorder, "write", fail)
-    recording.take(lambda: np.zeros((48, 64, 3), np.uint8), True, 1.0)
+    recording.take(lambda: np.zeros((48, 64, 3), np.uint8), 0, 1.0)
     assert recording.failure == "the disk is full: make room"
-    recording.take(lambda: pytest.fail("drawn for nothing"), True, 2.0)
+    recording.take(lambda: pytest.fail("drawn for nothing"), 1, 2.0)
     assert recording.finish() == recording.failure
 
 
 def test_pictures_that_were_not_shown_in_time_are_counted(tmp_path):
     recording = Recording(tmp_path / "a.mp4", (64, 48), 10.0)
-    for now_s in (0.0, 0.1, 0.5, 0.6):
-        recording.take(lambda: np.zeros((48, 64, 3), np.uint8), True, now_s)
+    for frame, now_s in ((0, 0.0), (1, 0.1), (5, 0.5), (6, 0.6)):
+        recording.take(lambda: np.zeros((48, 64, 3), np.uint8), frame, now_s)
     assert recording.has_gaps
     assert recording.finish() == f"saved {tmp_path / 'a.mp4'} (4 frames, 3 more were not shown in time)"
+
+
+@pytest.mark.parametrize("next_frame", [4, 0], ids=["after a pause", "from the start again"])
+def test_slots_that_passed_while_the_source_stood_still_are_not_missed(next_frame):
+    """An unchanged picture is looked at ten times a second: three frames of this clip."""
+    slots = Slots(30.0)
+    for frame in range(4):
+        slots.time_s(frame / 30, frame)
+    for tick in range(1, 20):
+        slots.time_s(0.1 + tick / 10, None)
+    before_s = 0.1 + 19 / 10
+    assert slots.time_s(before_s + 0.1, next_frame) == pytest.approx(before_s + 0.1)
+    assert slots.missed == 0

@@ -30,7 +30,7 @@ class Gate:
     def __init__(self) -> None:
         self.reached, self.opened = threading.Event(), threading.Event()
 
-    def __call__(self, _index: int) -> None:
+    def __call__(self, _read_or_tracked: object) -> None:
         self.reached.set()
         self.opened.wait(PATIENCE_S)
 
@@ -54,20 +54,16 @@ def assert_settles(pipeline: Pipeline, at: int) -> None:
     assert pipeline.frames.take(A_WHILE_S) is None
 
 
-def pause(pipeline: Pipeline) -> None:
-    """Pauses it, and takes what was under way when the pause came: it was handed over once the thread rests."""
-    capture, resting = pipeline._capture, threading.Event()
-    wait = capture._wait
-
-    def noted(until: Callable[[], bool], timeout_s: float | None = None) -> None:
-        if timeout_s is None:  # for a person, and not for a frame's time
-            resting.set()
-        wait(until, timeout_s)
-
-    capture._wait = noted
+def pause(pipeline: Pipeline, tracker) -> None:
+    """Pauses it while a frame is tracked, and takes that one: before another the capture thread looks at what to do."""
+    gate = Gate()
+    tracker.hook = gate
+    assert gate.reached.wait(PATIENCE_S)
+    pipeline.frames.take(0.0)  # the one before, if nobody has taken it
     pipeline.pause(True)
-    assert resting.wait(PATIENCE_S)
-    pipeline.frames.take(0.0)
+    tracker.hook = lambda _frame: None
+    gate.opened.set()
+    assert pipeline.frames.take(PATIENCE_S) is not None
 
 
 @pytest.fixture
@@ -236,10 +232,10 @@ def test_what_a_photo_has_to_say_stays_on_the_screen(run, fakes):
 
 
 def test_pause_holds_and_goes_on_where_it_was(run, fakes):
-    source = fakes.Source(10_000)
-    pipeline = run(source)
+    source, tracker = fakes.Source(10_000), fakes.Tracker()
+    pipeline = run(source, tracker=tracker)
     indices(pipeline, until=0)
-    pause(pipeline)
+    pause(pipeline, tracker)
     next_index = source.reads
     assert pipeline.frames.take(A_WHILE_S) is None
     assert source.reads == next_index
@@ -251,9 +247,10 @@ def test_pause_holds_and_goes_on_where_it_was(run, fakes):
 
 
 def test_restart_while_paused_shows_the_first_frame_and_stays_paused(run, fakes):
-    pipeline = run(fakes.Source(10_000))
+    tracker = fakes.Tracker()
+    pipeline = run(fakes.Source(10_000), tracker=tracker)
     indices(pipeline, until=5)
-    pause(pipeline)
+    pause(pipeline, tracker)
     pipeline.restart()
     assert pipeline.frames.take(PATIENCE_S).frame.index == 0
     assert pipeline.frames.take(A_WHILE_S) is None
@@ -332,13 +329,13 @@ def test_a_photo_is_tracked_again_for_another_marker(run, fakes):
 
 
 def test_where_nobody_can_seek_seeks_and_steps_change_nothing(run, fakes):
-    source = fakes.Source(10_000)
-    pipeline = run(source)
+    tracker = fakes.Tracker()
+    pipeline = run(fakes.Source(10_000), tracker=tracker)
     indices(pipeline, until=3)
     pipeline.step(-1)
     assert not pipeline._wish.paused
     assert min(indices(pipeline, until=8)) > 3
-    pause(pipeline)
+    pause(pipeline, tracker)
     pipeline.seek(0.0)
     assert pipeline.frames.take(A_WHILE_S) is None
 
