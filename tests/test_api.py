@@ -542,15 +542,14 @@ def test_a_renderer_is_for_its_own_thread_and_process_and_until_it_is_released()
 
 
 def test_a_renderer_that_is_never_released_is_a_resource_warning():
+    renderers = [al.Renderer((64, 48))]
     with pytest.warns(ResourceWarning, match="never released"):
-        al.Renderer((64, 48))
-        gc.collect()
+        renderers.clear()
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
         with pytest.raises(ValueError, match="quality"):
             al.Renderer((64, 48), "no such")
         al.Renderer((64, 48)).release()
-        gc.collect()
     assert not [each for each in warned if "never released" in str(each.message)]
 
 

@@ -74,7 +74,7 @@ def test_a_number_of_any_kind_becomes_a_float(half) -> None:
 
 def test_a_number_hardly_beyond_a_range_is_not_told_a_limit_that_it_is_within() -> None:
     """As a float32's pi, by a limit rounded up."""
-    with pytest.raises(ValueError, match="from 0 to 3.14159265[0-9]* rad, and is 3.14159274"):
+    with pytest.raises(ValueError, match=r"from 0 to 3\.14159265[0-9]* rad, and is 3\.14159274"):
         Light((0.0, 0.0, 1.0), angular_size_rad=float(np.float32(math.pi)))
     assert str(Range(1e-6, 1e6, "m")) == "from 0.000001 to 1000000 m"
 
