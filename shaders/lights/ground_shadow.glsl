@@ -48,16 +48,14 @@ float lit_around(int caster, int light, vec2 ground, float width_m) {
     int map = caster * LIGHTS + light;
     vec2 at;
     if (!is_on_map(map, ground, at)) return 1.0;
-    float asked = max(width_m * ground_shadow_texels_per_m[map], 1.0);
+    float texels = clamp(width_m * ground_shadow_texels_per_m[map], 1.0, exp2(ground_shadow_levels));
     vec2 size = vec2(textureSize(ground_shadows, 0));
-    vec2 width = asked / size, tile = ground_shadow_upper[map] - ground_shadow_lower[map];
-    // From the tile's border to the middle of such a width there, or to the tile's own middle.
-    vec2 within = min(0.5 * (width - 1.0 / size), 0.5 * tile);
+    vec2 texel = texels / size;
+    vec2 within = 0.5 * (texel - 1.0 / size);  // from the tile's border to the middle of the coarser texel there
     vec2 nearest = clamp(at, ground_shadow_lower[map] + within, ground_shadow_upper[map] - within);
-    // Nothing beyond the tile is shaded: a width that exceeds it is lit but for the tile's part of it.
-    vec2 beyond = abs(at - nearest) / width, inside = min(tile / width, 1.0);
-    float lit = textureLod(ground_shadows, nearest, min(log2(asked), ground_shadow_levels)).r;
-    lit = mix(1.0, lit, inside.x * inside.y);
+    // Nothing beyond the tile is shaded.
+    vec2 beyond = abs(at - nearest) / texel;
+    float lit = textureLod(ground_shadows, nearest, log2(texels)).r;
     return mix(lit, 1.0, min(max(beyond.x, beyond.y), 1.0));
 }
 
