@@ -12,7 +12,6 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from ashe_live.commands.answers.empty_table import EmptyTable
 from ashe_live.commands.answers.file_answers import FileEstimator
 from ashe_live.commands.answers.light_page import LightPage
-from ashe_live.commands.flags.marker_choice import not_found_text
 from ashe_live.commands.flags.model_choice import marker_files
 from ashe_live.commands.flags.named_files import named_files
 from ashe_live.commands.flags.setup import camera_chooser, light_preset, make_tracker
@@ -80,11 +79,10 @@ class _ToldAnswers:
 
     def __init__(self, options: argparse.Namespace) -> None:
         self._options = options
-        self._is_marker_named = not options.takes_any_marker
         # For the sheet, if no steps have been written into it by then.
         self._folder_to_make = options.debug if _is_in_folder_to_be(options.sheet, options.debug) else None
         self._page = LightPage()
-        self._without_marker: list[str] = []  # of the files that no one named
+        self._without_marker: dict[str, list[str]] = {}  # what is said of them, and the files that no one named
         self.statuses: set[ExitStatus] = set()
 
     def tell(self, record: FileRecord, picture: Image | None) -> bool:
@@ -95,19 +93,18 @@ class _ToldAnswers:
         if options.json:
             is_read = print_exactly(record.to_line())
         elif _shows_no_marker(record) and Path(record.file) not in options.files:
-            self._without_marker.append(record.file)
+            self._without_marker.setdefault(record.not_found, []).append(record.file)
         else:
-            is_read = print_answer(_line(record, self._is_marker_named))
+            is_read = print_answer(_line(record))
         if options.sheet is not None:
-            self._page.add(_named(record), _answer_text(record, self._is_marker_named), picture)
+            self._page.add(_named(record), _answer_text(record), picture)
         return is_read or options.sheet is not None or options.debug is not None
 
     def tell_what_is_left(self) -> None:
         """Names the files without a marker, and writes the sheet."""
         options = self._options
-        if self._without_marker:
-            not_found = not_found_text(options.marker, (), self._is_marker_named)
-            print_answer(f"{listed(self._without_marker, NAMED)}: {not_found}")
+        for not_found, files in self._without_marker.items():
+            print_answer(f"{listed(files, NAMED)}: {not_found}")
         if self._page.has_figures:
             if self._folder_to_make is not None:
                 make_folder(self._folder_to_make)
@@ -166,20 +163,20 @@ def _named(record: FileRecord) -> str:
     return listed(dict.fromkeys(file for file, _ in record.places) or [record.file])
 
 
-def _line(record: FileRecord, is_marker_named: bool) -> str:
+def _line(record: FileRecord) -> str:
     """The line about a file: its name, unless the error says it itself, and the answer."""
     # A name may be as short as a word of the error, or as a letter in one.
     as_word = rf"(?<!\w){re.escape(printable(record.file))}(?!\w)"
     names_itself = record.error is not None and re.search(as_word, record.error) is not None
-    answer = _answer_text(record, is_marker_named)
+    answer = _answer_text(record)
     return answer if names_itself else f"{_named(record)}: {answer}"
 
 
-def _answer_text(record: FileRecord, is_marker_named: bool) -> str:
+def _answer_text(record: FileRecord) -> str:
     if record.error is not None:
         return record.error
     if record.marker is None:
-        return not_found_text(record.looked_for, record.in_view, is_marker_named, record.mirrored)
+        return record.not_found
     estimate = record.estimate
     assert estimate is not None
     if not estimate.lights:
@@ -193,8 +190,8 @@ def _answer_text(record: FileRecord, is_marker_named: bool) -> str:
 
 
 def _shows_no_marker(record: FileRecord) -> bool:
-    """Whether the file could be read and has no marker at all: the one that is looked for, another, or one mirrored."""
-    return record.error is None and record.marker is None and not record.in_view and not record.mirrored
+    """Whether the file could be read and has no marker at all, neither the one that is looked for nor another."""
+    return record.error is None and record.marker is None and not record.in_view
 
 
 def _status(record: FileRecord) -> ExitStatus:

@@ -152,13 +152,12 @@ class FileRecord:
     timing_ms: Mapping[str, float] | None = None
     in_view: tuple[str, ...] = ()  # specs of other markers, if the one that was looked for is not found
     places: tuple[tuple[str, int], ...] = ()  # file and frame of each of the estimate's views, if of several files
-    looked_for: str = ""  # spec of the marker; not part of the line
+    not_found: str = "no marker found"  # why, for a person, if the marker is not
     is_photo: bool = False  # whether `frame` is all that is in the file; not part of the line
     is_fault: bool = False  # whether the error is the program's own; not part of the line
-    mirrored: tuple[str, ...] = ()  # specs of markers in mirror image, if no other is in view; not part of the line
 
     def to_json(self) -> Json:
-        reason = self.error or "no marker found"
+        reason = self.error or self.not_found
         estimate = self.estimate or LightEstimate(self.estimator, self.frame or 0, Illumination(), reason)
         views = views_json(self.estimate, [file for file, _ in self.places])
         if views is not None and self.places:

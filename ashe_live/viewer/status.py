@@ -154,11 +154,13 @@ def guidance(session: Session) -> tuple[str, ...]:
         return (note,)
     if _is_moved_out_of_picture(session):
         return (OUT_OF_PICTURE,)
-    if session.markers_in_view:
-        specs = session.markers_in_view
+    instead = session.instead
+    if specs := instead.in_view:
         return (f"{in_view_text(specs)}: M follows {in_words(specs[0])}",)
-    if session.mirrored_markers:
-        return mirrored_text(session.mirrored_markers), MIRROR_KEY
+    if instead.mirrored:
+        return mirrored_text(instead.mirrored), MIRROR_KEY
+    if instead.fault is not None:
+        return (f"no marker is seen: {instead.fault}",)
     if _awaits_marker(session):
         if session.watch.camera_may_move:
             return NO_MARKER

@@ -15,7 +15,7 @@ from ashe_live.commands.answers.empty_table import EmptyTable
 from ashe_live.commands.answers.light_page import picture_of
 from ashe_live.commands.answers.looked_at import LookedAt, Wanted, look_at, renumbered
 from ashe_live.commands.answers.steps_sheet import write_steps
-from ashe_live.commands.flags.marker_choice import marker_in, with_marker, with_marker_in
+from ashe_live.commands.flags.marker_choice import marker_in, not_found_text, with_marker, with_marker_in
 from ashe_live.commands.flags.model_choice import refuse_model
 from ashe_live.commands.flags.setup import CameraFor, assumed_note, cameras_of_all, make_tracker, states_no_camera
 from ashe_live.core.arrays import Image
@@ -31,7 +31,7 @@ from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
 from ashe_live.light.live.same_scene import first_of_most, of_one_scene
 from ashe_live.process.messages import listed, print_message, printable
 from ashe_live.process.unexpected_errors import fault, outer_cause, show_traceback
-from ashe_live.tracking.families.in_view import markers_in_view, mirrored_in_view
+from ashe_live.tracking.families.instead import shown_instead
 from ashe_live.tracking.tracker import MarkerTracker
 
 Result = TypeVar("Result")
@@ -130,11 +130,10 @@ class FileEstimator:
             print_message(note)
         if tracked.marker is not None:
             return _Looked(path, record, seen, tracker)
-        in_view = markers_in_view(tracked.frame.image_bgr)
         times = {"detect": tracked.detect_ms, "total": tracked.detect_ms}
-        mirrored = () if in_view else mirrored_in_view(tracked.frame.image_bgr)
-        shown = {"in_view": in_view, "mirrored": mirrored, "looked_for": chosen.marker}
-        record = dataclasses.replace(record, timing_ms=times, **shown)
+        instead = shown_instead(tracked.frame.image_bgr)
+        not_found = not_found_text(chosen.marker, not self.options.takes_any_marker, instead)
+        record = dataclasses.replace(record, timing_ms=times, in_view=instead.in_view, not_found=not_found)
         return record, self._picture(tracked, None)
 
     def _answered(self, first: "_Looked", *more: "_Looked") -> FileAnswer:

@@ -10,6 +10,7 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.key_views import KeyViews, kept_size, scaled
 from ashe_live.light.live.same_scene import first_of_most
+from ashe_live.tracking.families.instead import fault_of_exposure
 from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
@@ -41,6 +42,7 @@ class LookedAt:
 def look_at(source: Source, tracker: MarkerTracker, wanted: Wanted) -> LookedAt:
     """The frame that `wanted` names, or the first one with a steady marker, with a marker at all, or else the last.
 
+    That is the last one in which something can be seen, if there is any.
     Raises UserError when the source has no such frame.
     """
     if isinstance(tracker, FocalTracker):
@@ -59,7 +61,7 @@ def look_at(source: Source, tracker: MarkerTracker, wanted: Wanted) -> LookedAt:
             f"there is no frame {wanted.estimate_at} in it",
             "it is a photo: leave --estimate-at out" if source.is_photo else of_it,
         )
-    frozen = seen.chosen or seen.first_with_marker or seen.last
+    frozen = seen.chosen or seen.first_with_marker or seen.last_exposed or seen.last
     if frozen.camera is not seen.last.camera and frozen.marker is not None:
         # The focal length has been learned meanwhile, and poses of the views are measured with it.
         tracker.reset()
@@ -89,6 +91,7 @@ class _SeenFrames:
         self.chosen: TrackedFrame | None = None  # the frame that is named, or else the first with a steady marker
         self.first_with_marker: TrackedFrame | None = None
         self.last: TrackedFrame | None = None
+        self.last_exposed: TrackedFrame | None = None  # the last that is neither black nor white, as a fade's end is
 
     def add(self, tracked: TrackedFrame) -> None:
         self.last = tracked
@@ -99,6 +102,8 @@ class _SeenFrames:
                 self.chosen = tracked
         if self.first_with_marker is None and tracked.marker is not None:
             self.first_with_marker = tracked
+        if tracked.marker is None and fault_of_exposure(tracked.frame.image_bgr) is None:
+            self.last_exposed = tracked
 
     @property
     def are_enough(self) -> bool:

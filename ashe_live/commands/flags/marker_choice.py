@@ -14,6 +14,7 @@ from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
 from ashe_live.process.messages import print_message
 from ashe_live.tracking.families.in_view import in_view_text, markers_in_view, mirrored_text
+from ashe_live.tracking.families.instead import Instead
 from ashe_live.tracking.families.layout import is_of_cube, members_of, parse_target, the_marker
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.tracker import MarkerTracker
@@ -25,7 +26,6 @@ LOOKED_AT = 5
 STEP_S, SEARCHED_S = 0.5, 60.0
 FrameRange = tuple[int, int | None]  # indices of the first and the last; None: the clip's last
 SHOW_IT = "show all of it, or name the one that is there with --marker"
-NO_MARKER = f"no marker found: {SHOW_IT}"
 
 
 def with_marker(options: argparse.Namespace, spec: str) -> argparse.Namespace:
@@ -127,18 +127,17 @@ def _searched(source: Source, first: int, last: int | None) -> Iterator[Frame]:
         next_s = None if number < LOOKED_AT else frame.time_s + STEP_S
 
 
-def not_found_text(marker: str, in_view: tuple[str, ...], is_named: bool, mirrored: tuple[str, ...] = ()) -> str:
-    """That `marker`, which a person may have named, was not found, and what helps.
-
-    in_view: specs of other markers; `mirrored`: of those that are seen in mirror image, where there are no others.
-    """
-    if mirrored and not in_view:
-        return f"{the_marker(marker)} was not found: {mirrored_text(mirrored)}" if is_named else mirrored_text(mirrored)
-    if not in_view and not is_named:
-        return NO_MARKER
+def not_found_text(marker: str, is_named: bool, instead: Instead) -> str:
+    """That `marker`, which a person may have named, was not found, what is seen instead, and what helps."""
+    if instead.mirrored:
+        said = mirrored_text(instead.mirrored)
+        return f"{the_marker(marker)} was not found: {said}" if is_named else said
+    if not instead.in_view:
+        which = f"{the_marker(marker)} was not" if is_named else "no marker"
+        return f"{which} found: {instead.fault or SHOW_IT}"
     # One that is in view is named by the hint.
-    which = the_marker(marker) if is_named and marker not in in_view else "the marker"
-    return f"{which} was not found: {_hint(in_view, marker) if in_view else SHOW_IT}"
+    which = the_marker(marker) if is_named and marker not in instead.in_view else "the marker"
+    return f"{which} was not found: {_hint(instead.in_view, marker)}"
 
 
 def _hint(in_view: tuple[str, ...], marker: str) -> str:

@@ -26,7 +26,7 @@ from ashe_live.process.signals import ended_by_signals
 from ashe_live.render.gl.offscreen import graphics_failures_reported, offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.families.in_view import markers_in_view, mirrored_in_view
+from ashe_live.tracking.families.instead import Instead, shown_instead
 from ashe_live.viewer.display import cut_out
 from ashe_live.viewer.headless import HeadlessRun, play_headless
 from ashe_live.viewer.output.as_shown import AsShown, read_as_shown
@@ -161,10 +161,10 @@ def _notices(setup: ViewerSetup, session: Session, found: set[int]) -> Iterator[
     if setup.source.note is not None:
         yield setup.source.note
     if not found:
-        image = None if session.tracked is None else session.tracked.frame.image_bgr
-        in_view = () if image is None else markers_in_view(image)
-        mirrored = () if image is None or in_view else mirrored_in_view(image)
-        yield f"{name}: {not_found_text(options.marker, in_view, not options.takes_any_marker, mirrored)}"
+        instead = Instead() if session.tracked is None else shown_instead(session.tracked.frame.image_bgr)
+        if not setup.source.is_photo:
+            instead = replace(instead, fault=None)  # a clip's last picture may be the end of a fade
+        yield f"{name}: {not_found_text(options.marker, not options.takes_any_marker, instead)}"
     elif options.estimate_at not in (None, *found):
         yield f"nothing to estimate in frame {options.estimate_at}: no marker in it, or no such frame was played"
     elif session.notice.text is not None:

@@ -19,27 +19,28 @@ from ashe_live.tracking.poses.steadiness import Steadiness
 
 SIZE, FPS = (64, 48), 5.0
 CAMERA, LEARNED = Camera.from_hfov(SIZE, 60), Camera.from_hfov(SIZE, 50)
-PICTURE = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)
+PICTURE = np.full((SIZE[1], SIZE[0], 3), 128, np.uint8)
 SIDE_M = 0.08
 STEADY_AFTER = 4  # frames that follow the first of those that hardly differ
 
 
 class Clip(Source):
-    """So many frames; it notes which are read."""
+    """So many frames, the last ones black; it notes which are read."""
 
     is_live, is_photo = False, False
     name, note, size, fps = "clip", None, SIZE, FPS
     path, duration_s = Path("clip.mp4"), None
 
-    def __init__(self, count: int) -> None:
-        self.count, self.next, self.read_indices = count, 0, []
+    def __init__(self, count: int, black: int = 0) -> None:
+        self.count, self.lit, self.next, self.read_indices = count, count - black, 0, []
 
     def read(self) -> Frame | None:
         if self.next >= self.count:
             return None
         self.read_indices.append(self.next)
         self.next += 1
-        return Frame(PICTURE, self.next - 1, (self.next - 1) / FPS)
+        picture = PICTURE if self.next <= self.lit else np.zeros_like(PICTURE)
+        return Frame(picture, self.next - 1, (self.next - 1) / FPS)
 
     def rewind(self) -> None:
         self.next = 0
@@ -108,6 +109,12 @@ def test_without_a_steady_marker_it_is_the_first_with_a_marker_or_else_the_last_
     assert looked(Clip(20), Tracker(seen=7, still=99), Wanted(views=1)).frozen.frame.index == 7
     assert looked(Clip(20), Tracker(seen=99), Wanted(views=1)).frozen.frame.index == 19
     assert looked(Photo(), Tracker(), Wanted(views=12)).frozen.frame.index == 0
+
+
+def test_without_a_marker_it_is_no_black_frame_unless_all_are() -> None:
+    """As where a clip fades out: its last picture does not tell why there is no marker in the others."""
+    assert looked(Clip(20, black=5), Tracker(seen=99), Wanted(views=1)).frozen.frame.index == 14
+    assert looked(Clip(20, black=20), Tracker(seen=99), Wanted(views=1)).frozen.frame.index == 19
 
 
 def test_for_other_views_a_clip_is_watched_for_a_while_or_to_the_frame_that_is_named() -> None:

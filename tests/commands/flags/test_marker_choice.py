@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from ashe_live.capture.recording.recorder import Recorder
+from ashe_live.commands.flags.marker_choice import SHOW_IT
+from ashe_live.tracking.families.instead import TOO_BRIGHT, TOO_DARK
 from ashe_live.tracking.families.markers import parse_marker
 from tests.shipped_scenes import FOLDER
 
@@ -96,6 +98,26 @@ def test_of_a_mirrored_photo_it_is_said_and_no_other_marker_is_followed(run, pho
             assert outcome.status == 3
             assert "aruco:4x4_50:0 is in view, but in mirror image: " in said
             assert "871" not in said
+
+
+def test_the_reason_in_json_is_that_of_the_line(run, photo):
+    """Of what is mirrored, black, or shows another marker, it was "no marker found" alone."""
+    path = photo("aruco:4x4_50:7")
+    seven = cv2.imread(path)
+    usual, other = (), ("--marker", "aruco:4x4_50:3")
+    for picture, said, choices in (
+        (seven[:, ::-1], "in mirror image", (usual, other)),
+        (np.zeros_like(seven), TOO_DARK, (usual, other)),
+        (np.full_like(seven, 255), TOO_BRIGHT, (usual, other)),
+        (np.full_like(seven, 128), SHOW_IT, (usual, other)),
+        (seven, "aruco:4x4_50:7 is in view", (other,)),
+    ):
+        cv2.imwrite(path, picture)
+        for named in choices:
+            (line,) = run("estimate", path, "--hfov", "60", *named).out
+            (record,) = run("estimate", path, "--hfov", "60", *named, "--json").records
+            assert line == f"{path}: {record['light']['reason']}"
+            assert said in line
 
 
 def test_a_photo_is_shown_with_the_marker_that_is_in_it(run, photo):

@@ -12,20 +12,21 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
+from ashe_live.tracking.families.instead import TOO_DARK, Instead
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.viewer.sources import marker_hunt
-from ashe_live.viewer.sources.marker_hunt import EVERY_S, Looked, MarkerHunt
+from ashe_live.viewer.sources.marker_hunt import EVERY_S, MarkerHunt
 from tests.patience import await_that
 
 SEVEN, FIVE = "aruco:4x4_50:7", "apriltag:36h11:5"
 
 
 @pytest.fixture
-def begun(monkeypatch: pytest.MonkeyPatch) -> list[Future[Looked]]:
+def begun(monkeypatch: pytest.MonkeyPatch) -> list[Future[Instead]]:
     """The searches that were begun; the test ends them."""
-    searches: list[Future[Looked]] = []
+    searches: list[Future[Instead]] = []
 
-    def begin(_name: str, _work: Callable[[], object], _failed: Callable[[str], UserError]) -> Future[Looked]:
+    def begin(_name: str, _work: Callable[[], object], _failed: Callable[[str], UserError]) -> Future[Instead]:
         searches.append(Future())
         return searches[-1]
 
@@ -52,10 +53,10 @@ def test_they_are_looked_for_one_search_at_a_time_and_once_in_a_while(begun, awa
     assert not hunt.look(away, 0.0)
     assert not hunt.look(away, 3 * EVERY_S)
     assert len(begun) == 1, "the first is not done yet"
-    begun[0].set_result(((SEVEN,), ()))
+    begun[0].set_result(Instead((SEVEN,)))
     assert hunt.look(away, 3 * EVERY_S)
     assert not hunt.look(away, 3 * EVERY_S)
-    begun[1].set_result(((SEVEN,), ()))
+    begun[1].set_result(Instead((SEVEN,)))
     hunt.look(away, 3.1 * EVERY_S)
     assert not hunt.look(away, 3.9 * EVERY_S)
     assert len(begun) == 2
@@ -66,11 +67,11 @@ def test_they_are_looked_for_one_search_at_a_time_and_once_in_a_while(begun, awa
 def test_what_is_seen_in_mirror_image_is_kept_until_the_marker_is_there(begun, away, there):
     hunt = MarkerHunt()
     hunt.look(away, 0.0)
-    begun[0].set_result(((), (SEVEN,)))
+    begun[0].set_result(Instead(mirrored=(SEVEN,)))
     assert not hunt.look(away, 0.0), "there is none to follow"
-    assert (hunt.in_view, hunt.mirrored) == ((), (SEVEN,))
+    assert hunt.instead == Instead(mirrored=(SEVEN,))
     hunt.look(there, 0.1)
-    assert hunt.mirrored == ()
+    assert hunt.instead == Instead()
 
 
 def test_only_what_was_not_in_view_before_is_news(begun, away):
@@ -78,9 +79,9 @@ def test_only_what_was_not_in_view_before_is_news(begun, away):
     told = []
     for at, found in enumerate([(SEVEN,), (SEVEN,), (SEVEN, FIVE), (), (FIVE,)]):
         hunt.look(away, at * EVERY_S)
-        begun[-1].set_result((found, ()))
+        begun[-1].set_result(Instead(found))
         told.append(hunt.look(away, at * EVERY_S))
-        assert hunt.in_view == found
+        assert hunt.instead.in_view == found
     assert told == [True, False, True, False, True]
     assert hunt.take_answer() is None, "nobody has asked"
 
@@ -88,10 +89,10 @@ def test_only_what_was_not_in_view_before_is_news(begun, away):
 def test_while_the_followed_marker_is_there_none_is_looked_for(begun, away, there):
     hunt = MarkerHunt()
     hunt.look(away, 0.0)
-    begun[0].set_result(((SEVEN,), ()))
+    begun[0].set_result(Instead((SEVEN,)))
     hunt.look(away, 0.0)
     assert not hunt.look(there, EVERY_S)
-    assert hunt.in_view == ()
+    assert hunt.instead.in_view == ()
     assert len(begun) == 1
 
 
@@ -99,9 +100,9 @@ def test_what_was_looked_for_before_the_marker_came_back_is_dropped(begun, away,
     hunt = MarkerHunt()
     hunt.look(away, 0.0)
     hunt.look(there, 0.1)
-    begun[0].set_result(((SEVEN,), ()))
+    begun[0].set_result(Instead((SEVEN,)))
     assert not hunt.look(away, 0.2)
-    assert hunt.in_view == ()
+    assert hunt.instead.in_view == ()
     hunt.look(away, EVERY_S)
     assert len(begun) == 2
 
@@ -112,11 +113,11 @@ def test_who_asks_is_answered_once_even_while_the_marker_is_there(begun, away, t
     hunt.ask()
     hunt.look(there, 0.1)
     assert len(begun) == 2, "anew, as what is looked at already may be older than the wish"
-    begun[0].set_result(((FIVE,), ()))
+    begun[0].set_result(Instead((FIVE,)))
     assert hunt.take_answer() is None
-    begun[1].set_result(((SEVEN,), ()))
+    begun[1].set_result(Instead((SEVEN,)))
     assert not hunt.look(there, 0.2)
-    assert hunt.in_view == ()
+    assert hunt.instead.in_view == ()
     assert hunt.take_answer() == (SEVEN,)
     assert hunt.take_answer() is None
     assert not hunt.look(there, 2 * EVERY_S)
@@ -127,9 +128,9 @@ def test_who_asks_while_it_is_away_learns_it_as_news_too(begun, away):
     hunt = MarkerHunt()
     hunt.ask()
     hunt.look(away, 0.0)
-    begun[0].set_result(((SEVEN,), ()))
+    begun[0].set_result(Instead((SEVEN,)))
     assert hunt.look(away, 0.1)
-    assert hunt.take_answer() == (SEVEN,) == hunt.in_view
+    assert hunt.take_answer() == (SEVEN,) == hunt.instead.in_view
 
 
 def test_a_search_that_fails_has_found_nothing(begun, away):
@@ -150,16 +151,19 @@ def paper(*specs: str, is_mirrored: bool = False) -> Image:
     return cv2.cvtColor(np.ascontiguousarray(sheet[:, ::-1] if is_mirrored else sheet), cv2.COLOR_GRAY2BGR)
 
 
-def test_those_in_a_picture_are_found_and_those_in_mirror_image_where_there_are_no_others(away):
+def test_what_a_picture_shows_is_found(away):
     hunt = MarkerHunt()
     plain, mirrored = paper(SEVEN), paper(FIVE, is_mirrored=True)
-    for at, (image, found, seen_mirrored) in enumerate([
-        (plain, (SEVEN,), ()),
-        (mirrored, (), (FIVE,)),
-        (np.hstack([mirrored, plain]), (SEVEN,), ()),
-    ]):  # fmt: skip
+    for at, (image, instead) in enumerate(
+        [
+            (plain, Instead((SEVEN,))),
+            (mirrored, Instead(mirrored=(FIVE,))),
+            (np.hstack([mirrored, plain]), Instead((SEVEN,))),
+            (np.zeros_like(plain), Instead(fault=TOO_DARK)),
+        ]
+    ):
         tracked = replace(away, frame=Frame(image, at, 0.0), camera=Camera.from_hfov(image.shape[1::-1], 60))
         hunt.look(tracked, at * EVERY_S)
         await_that(lambda looking=hunt._looking: looking.done())
-        assert hunt.look(tracked, at * EVERY_S) == bool(found)
-        assert (hunt.in_view, hunt.mirrored) == (found, seen_mirrored)
+        assert hunt.look(tracked, at * EVERY_S) == bool(instead.in_view)
+        assert hunt.instead == instead
