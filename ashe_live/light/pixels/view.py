@@ -28,6 +28,9 @@ FARTHEST = 4.0
 # rotations are off by five times the noise in the median.
 OVER_NOISE = 5.0
 ALL_SHOWN = 1 - 1e-4  # share of a pixel that the lens shows, but for rounding
+# Of all values of a row or column beside the picture, which a codec leaves nearly black, and of no row with a picture.
+BAR = 16
+BLENDED_PX = 2  # rows or columns beside a bar that scaling and a codec mix with it
 
 Window = tuple[slice, slice]  # rows and columns
 
@@ -43,7 +46,8 @@ class View(MarkerPicture):
     page: PageAround | None = None  # that the marker is printed on, if it is shown as ground beyond the sheet
     # (h, w) of the whole picture: paper that is ground. Of a page's border what something crosses; a sheet in a shadow.
     paper_as_ground: Mask | None = None
-    # (h, w) of the whole picture: what the lens shows; None: all. Of one that bends lines inwards there is a blank rim.
+    # (h, w) of the whole picture: what the lens shows; None: all. Of one that bends lines inwards there is a blank rim,
+    # and beside a clip in a frame of other proportions there are black bars.
     shown: Mask | None = None
     measured: MarkerPose | None = None  # the pose that it was given, about which T_cam_marker may be moved
     plate_bgr: Image | None = None  # (h, w, 3) the same without the object (clean_plate), where it is known
@@ -164,17 +168,26 @@ def scaled_down(image: Image, camera: Camera, width_px: int) -> tuple[Image, Cam
 def _straight(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera, Mask | None]:
     """The picture scaled down to `width_px`, if it is wider, without distortion; its camera; and View.shown."""
     image, camera = scaled_down(image, camera, width_px)
+    shown = _between_bars(image)
     if not camera.is_distorted:
-        return image, camera, None
-    straight, shown = _undistorted(image, camera)
-    return straight, camera.without_distortion(), shown
-
-
-def _undistorted(image: Image, camera: Camera) -> tuple[Image, Mask]:
-    """The picture (h, w, 3) without distortion, and where the lens shows it, (h, w): it is black elsewhere."""
+        return image, camera, shown
     straight = np.asarray(cv2.undistort(image, camera.K, camera.dist), dtype=np.uint8)
-    white = np.full(image.shape[:2], 255, np.uint8)
-    return straight, np.asarray(cv2.undistort(white, camera.K, camera.dist) == 255)
+    white = np.full(image.shape[:2], 255, np.uint8) if shown is None else 255 * shown.view(np.uint8)
+    return straight, camera.without_distortion(), np.asarray(cv2.undistort(white, camera.K, camera.dist) == 255)
+
+
+def _between_bars(image: Image) -> Mask | None:
+    """(h, w) the picture (h, w, 3) without black bars at its borders; None if there are none, or nothing else."""
+    if min(side.max() for side in (image[0], image[-1], image[:, 0], image[:, -1])) >= BAR:
+        return None
+    bright = image.max(axis=-1) >= BAR
+    rows, columns = np.flatnonzero(bright.any(axis=1)), np.flatnonzero(bright.any(axis=0))
+    if not len(rows):
+        return None
+    shown = np.zeros(bright.shape, np.bool_)
+    shown[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1] = True
+    blended = np.ones((2 * BLENDED_PX + 1,) * 2, np.uint8)
+    return np.asarray(cv2.erode(shown.view(np.uint8), blended)).view(np.bool_)
 
 
 def _ground_mask(camera: Camera, T_cam_marker: Float, printed_marker: Sequence[Float]) -> Mask:

@@ -96,6 +96,33 @@ def test_what_the_lens_does_not_show_is_no_ground(k1: float) -> None:
     assert (smaller.is_ground == pinhole.scaled(200).is_ground).mean() > 0.8
 
 
+@pytest.mark.parametrize("k1", [0.0, 0.05])
+def test_black_bars_are_no_ground(k1: float) -> None:
+    """Of any width, at any of the four sides, nearly black as a codec leaves them, also seen through a lens."""
+    straight = paint(BOX).tracked
+    width, height = straight.camera.size
+    camera = Camera(straight.camera.size, straight.camera.K, np.array([k1, 0, 0, 0, 0]), "file")
+    bright = np.full((height, width, 3), 150, np.uint8)
+    bright[100:140, 200:260] = 0  # what is black within the picture is part of it
+    barred = np.random.default_rng(1).integers(0, 12, bright.shape, np.uint8)
+    within = np.s_[31 : height - 60, 8 : width - 1]
+    barred[within] = bright[within]
+    whole, view = (View.of(tracked_frame(picture, camera), width) for picture in (bright, barred))
+    dark = view.is_ground & (view.image_bgr.max(axis=-1) < 75)
+    dark[90:150, 190:270] = False
+    assert not dark.any()
+    inner = np.s_[45 : height - 75, 25 : width - 20]
+    np.testing.assert_array_equal(view.is_ground[inner], whole.is_ground[inner])
+    assert view.is_ground.sum() > 0.8 * whole.is_ground[within].sum()
+
+
+def test_a_picture_that_is_all_black_has_no_bars() -> None:
+    straight = paint(BOX).tracked
+    pictures = (np.full_like(np.asarray(straight.frame.image_bgr), value) for value in (0, 150))
+    black, grey = (View.of(tracked_frame(picture, straight.camera), 320) for picture in pictures)
+    np.testing.assert_array_equal(black.is_ground, grey.is_ground)
+
+
 def ground_by_rays(view: View) -> Mask:
     """Ray by ray, with the eye and the rays in the marker frame; the sheet not left out."""
     T_marker_cam = inverse_rigid(view.T_cam_marker)
