@@ -71,6 +71,7 @@ ROOMS: dict[str, set[str]] = {
         "light.explanation", "bench", "bench.light",
     },
     "bench.lamps": {"core", "errors", "light.estimators", "light.ground", "light.lamps", "light.pixels", "bench"},
+    "bench.second_lights": {"core", "errors", "light.estimators", "light.explanation", "bench"},
     "bench.track": {"quality", "core", "errors", "capture", "tracking", "process", "bench"},
     "bench.cube": {"quality", "core", "errors", "capture", "tracking", "light.estimators", "bench.track", "bench"},
     "bench.render": {
@@ -87,7 +88,7 @@ ROOMS: dict[str, set[str]] = {
     "commands": {
         "quality", "core", "errors", "files", "models", "capture", "tracking", "light.pixels", "light.estimators",
         "light.live", "drawing", "render", "viewer", "bench", "bench.light", "bench.judge", "bench.track",
-        "bench.render", "bench.viewer", "bench.soak", "bench.cube", "bench.lamps", "process", "",
+        "bench.render", "bench.viewer", "bench.soak", "bench.cube", "bench.lamps", "bench.second_lights", "process", "",
     },
     "cli": {"commands", "errors", "process"},
     "__main__": {"cli"},

@@ -21,6 +21,7 @@ def run(options: argparse.Namespace) -> int:
         "cube": _cube,
         "fit-judge": _fit_judge,
         "fit-lamps": _fit_lamps,
+        "fit-seconds": _fit_seconds,
     }
     benches[options.bench](options).run(options.out, options.overwrite)
     return ExitStatus.ANSWERED
@@ -96,3 +97,9 @@ def _fit_lamps(options: argparse.Namespace) -> "Bench":
     from ashe_live.bench.lamps.bench import LampBench
 
     return LampBench(options.scenes, options.limit)
+
+
+def _fit_seconds(options: argparse.Namespace) -> "Bench":
+    from ashe_live.bench.second_lights.bench import SecondLightsBench
+
+    return SecondLightsBench(options.scenes, options.limit, options.every)

@@ -50,6 +50,7 @@ GIVEN: dict[str, tuple[str, dict[str, Any]]] = {
     "fit-judge --scenes a --confidence": ("RecalibrationBench", {"scenes": [A]}),
     "fit-judge --scenes a --sheets --limit 4": ("SheetsBench", {"scenes": [A], "limit": 4}),
     "fit-lamps --scenes a --limit 4": ("LampBench", {"scenes": [A], "limit": 4}),
+    "fit-seconds --scenes a --limit 4 --every 2": ("SecondLightsBench", {"scenes": [A], "limit": 4, "every": 2}),
     "cube --count 7 --seed 3 --quality fast --scenes a": (
         "CubeBench",
         {"count": 7, "seed": 3, "quality": QUALITIES["fast"], "scenes": [A]},

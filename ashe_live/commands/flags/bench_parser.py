@@ -17,6 +17,7 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
         ("light", _add_light, "the estimators' errors on scenes whose light is known"),
         ("fit-judge", _add_fit_judge, "fits confidence to scenes whose light is known"),
         ("fit-lamps", _add_fit_lamps, "how far the fall of light is believed, by lamps whose places are known"),
+        ("fit-seconds", _add_fit_seconds, "how clear a second light's shadow has to be, by scenes with known lights"),
         ("cube", _add_cube, "the paper cube's pose and light, on pictures with known truth"),
         ("track", _add_track, "the tracker beside OpenCV's detector, on frames with known poses"),
     ):
@@ -82,7 +83,7 @@ def _add_fit_judge(judge: argparse.ArgumentParser) -> None:
     _add_scenes(judge)
     _add_results_folder(judge)
     _add_limit(judge)
-    judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
+    _add_every(judge)
     only = judge.add_mutually_exclusive_group()
     only.add_argument(
         "--casters", action="store_true", help="only how known casters are judged, from the tables as they are"
@@ -102,6 +103,13 @@ def _add_fit_lamps(lamps: argparse.ArgumentParser) -> None:
     _add_scenes(lamps)
     _add_results_folder(lamps)
     _add_limit(lamps)
+
+
+def _add_fit_seconds(seconds: argparse.ArgumentParser) -> None:
+    _add_scenes(seconds)
+    _add_results_folder(seconds)
+    _add_limit(seconds)
+    _add_every(seconds)
 
 
 def _add_cube(cube: argparse.ArgumentParser) -> None:
@@ -141,6 +149,10 @@ def _add_scenes(bench: argparse.ArgumentParser, instead: str | None = None) -> N
 
 def _add_limit(bench: argparse.ArgumentParser) -> None:
     bench.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
+
+
+def _add_every(bench: argparse.ArgumentParser) -> None:
+    bench.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
 
 
 def _add_results_folder(bench: argparse.ArgumentParser) -> None:

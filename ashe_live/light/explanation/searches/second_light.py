@@ -6,7 +6,7 @@ its shadow coincides with visible borders (docs/maths, "A second light of a know
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,12 +23,35 @@ from ashe_live.light.labels.two_lights import are_two_shadows, materials_of_two
 from ashe_live.light.shape.predicted import Predicted, predicted, predicted_of
 
 TRIED = 2  # candidates for the second light
-# How much a second light must lower the unary costs, and the least mean clarity of its shadow's borders: nearly all
-# true second shadows that were looked at have 0.3 and more, what an object hides of the sky often less
-# (docs/accuracy/sets.md says on which pictures this was chosen).
+# How much a second light must lower the unary costs, and the least mean clarity of its shadow's borders, by which
+# `ashe-live bench fit-seconds` counts right and wrong ones (docs/accuracy/sets.md says on which pictures).
 LEAST_GAIN, LEAST_CLARITY = 2 * COST_PER_PARAMETER, 0.28
 NEAR_RAD = math.radians(10)  # of lights that count as one
 PART = 0.8  # of a shadow's pixels: so many lie in another shadow that it is a part of
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TriedLight:
+    """A second light beside a known one, fitted from a candidate for its shadow."""
+
+    both: Explanation
+    number: int  # of the second light among those of `both`
+    start: Predicted  # what its candidate predicts in the region, before the fit
+    costs: Costs  # of the region
+
+    @property
+    def clarity(self) -> float:
+        """The mean of its shadow's borders."""
+        return float(self.both.alignment.clear_shadows[self.number])
+
+    def gain(self) -> float:
+        """How much the region's unary costs fall by it."""
+        fitted = self.both.predicted
+        alone = min(self.costs.of(_without(self.number, each)) for each in (self.start, fitted))
+        return alone - self.costs.of(fitted)
+
+    def is_accepted(self) -> bool:
+        return self.clarity >= LEAST_CLARITY and self.gain() > LEAST_GAIN
 
 
 def with_lights_counted(
@@ -58,8 +81,8 @@ def with_lights_counted(
     known = max(alone, key=log_odds, default=None)
     if known is not None:
         found = shadow_candidates(known.proxy, known.lit.lights, view.coarse, view.ground, TRIED)
-        tried = [_tried(known, candidate, view, region_px) for candidate in found]
-        pairs += [both for both in tried if both is not None]
+        tried = [tried_light(known, candidate, view, region_px) for candidate in found]
+        pairs += [light.both for light in tried if light is not None and light.is_accepted()]
     whole, others = _without_cut(pairs), without(kept, pairs)
     return [*whole, *(other for other in others if not any(is_part_of(both, other) for both in whole))]
 
@@ -109,13 +132,16 @@ def is_part_of(both: Explanation, other: Explanation) -> bool:
     return min(angles) < NEAR_RAD
 
 
-def _tried(one: Explanation, candidate: ShadowCandidate, view: SceneView, region_px: int) -> Explanation | None:
-    """The explanation with a second light; None if that is rejected."""
+def tried_light(known: Explanation, candidate: ShadowCandidate, view: SceneView, region_px: int) -> TriedLight | None:
+    """A second light from a candidate for its shadow, of an explanation by one; None if its shadow is no other one.
+
+    region_px: size in pixels to which the region of the body with both shadows is scaled.
+    """
     ground = view.ground
-    lit, shift = one.lit, candidate.shift
+    lit, shift = known.lit, candidate.shift
     region = candidate.region(lit, view, region_px)
-    known, new = (materials_of(region, ground, each) for each in (one.materials.shift, shift))
-    materials = materials_of_two(region, ground, known, new)
+    first, new = (materials_of(region, ground, each) for each in (known.materials.shift, shift))
+    materials = materials_of_two(region, ground, first, new)
     if materials is None:
         return None
     second = 1 if materials.shifts[1] is shift else 0
@@ -126,11 +152,9 @@ def _tried(one: Explanation, candidate: ShadowCandidate, view: SceneView, region
     if not are_two_shadows(proposal.split.parts):
         return None
     (both,) = aligned_explanations([fitted])
-    if both is None or _are_near(both) or both.alignment.clear_shadows[second] < LEAST_CLARITY:
+    if both is None or _are_near(both):
         return None
-    costs = Costs(region, materials, proposal.as_object)
-    alone = min(costs.of(_without(second, each)) for each in (predicted_of(start, region.view), both.predicted))
-    return both if alone - costs.of(both.predicted) > LEAST_GAIN else None
+    return TriedLight(both, second, predicted_of(start, region.view), Costs(region, materials, proposal.as_object))
 
 
 def _without(light: int, masks: Predicted) -> Predicted:

@@ -51,6 +51,7 @@ class ShadowCandidate:
     light: Float  # (4,) homogeneous point at infinity, marker frame, with z = 1
     area: Mask  # (h, w) its visible part in the coarse picture, outside of the body and of known shadows
     shift: Float  # (3,) the shift of the ground's colours in it, log-opponent
+    signal_to_noise: float
 
     def region(self, lit: LitBody, view: SceneView, region_px: int) -> Region:
         """The part of the view that holds the candidate and the body with its shadows, scaled to `region_px`."""
@@ -58,7 +59,12 @@ class ShadowCandidate:
 
 
 def shadow_candidates(
-    proxy: Proxy, known_lights: Float, coarse: View, ground: LitGround, count: int
+    proxy: Proxy,
+    known_lights: Float,
+    coarse: View,
+    ground: LitGround,
+    count: int,
+    least_signal_to_noise: float = LEAST_SIGNAL_TO_NOISE,
 ) -> list[ShadowCandidate]:
     """Up to `count` candidates for a shadow of a body beside those in known lights, by falling signal-to-noise ratio.
 
@@ -81,7 +87,7 @@ def shadow_candidates(
     found: list[ShadowCandidate] = []
     directions = [towards(light, proxy.foot_marker) for light in known_lights]
     for index in np.argsort(-ratios, kind="stable"):
-        if ratios[index] < LEAST_SIGNAL_TO_NOISE or len(found) == count:
+        if ratios[index] < least_signal_to_noise or len(found) == count:
             break
         (coarsely,) = _lights(azimuths[index], lengths[index])
         if all(angle_between(coarsely[:3], other) > APART_RAD for other in directions):
@@ -93,7 +99,7 @@ def shadow_candidates(
             area = predicted(proxy, nearby[best : best + 1], coarse).shadow & free
             shift = shift_near(ground.colours[area], ground, differences[best])
             if shift is not None and shift[0] < PALEST:
-                found.append(ShadowCandidate(nearby[best], area, shift))
+                found.append(ShadowCandidate(nearby[best], area, shift, float(ratios[index])))
     return found
 
 

@@ -1,0 +1,1 @@
+"""What the search for a second light rests on, measured on pictures whose lights are known."""
