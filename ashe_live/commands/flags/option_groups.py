@@ -27,7 +27,7 @@ QUALITY_HELP = (
 ESTIMATOR_HELP = f"how the light is estimated; `paper` is the AShE paper's method (default {DEFAULT_ESTIMATOR})"
 LAYERS = ("both", "model", "shadow")
 UPS = ("x", "y", "z", "-x", "-y", "-z")
-ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first of a clip with a steady marker)"
+ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first with a steady marker)"
 # The same as in ashe_live.quality, whose imports --help must not wait for.
 QUALITIES = ("fast", "balanced", "accurate")
 
@@ -78,7 +78,9 @@ def add_view_options(parser: argparse.ArgumentParser) -> None:
         "stand side by side, or one a marker (--model mug --model 7=tree.glb)",
     )
     view.add_argument("--up", choices=UPS, metavar="AXIS", help=f"of the first model's file: {', '.join(UPS)} (key U)")
-    view.add_argument("--size", type=values.size, metavar="WxH", help="size of the window (default: the source's)")
+    view.add_argument(
+        "--size", type=values.size, metavar="WxH", help="of the window, and asked of a camera (default: the source's)"
+    )
     view.add_argument("--loop", action="store_true", help="start again at the end of the clip")
     view.add_argument("--estimate-at", type=values.index, metavar="FRAME", help=ESTIMATE_AT_HELP)
     view.add_argument(
