@@ -13,7 +13,6 @@ uniform sampler2D ground_shadows;  // fraction of a light that a caster lets thr
 uniform mat4 ground_shadow_from_marker[MAPS];
 uniform vec2 ground_shadow_lower[MAPS];  // lower left corners of the tiles
 uniform vec2 ground_shadow_upper[MAPS];
-uniform float ground_shadow_texels_per_m[MAPS];  // at the marker's centre
 uniform float ground_shadow_levels;  // mipmap levels in which a tile still has several texels
 
 // Finds the texture coordinates of a point of the plane. False where the map has no such point, as it is behind the lamp,
@@ -26,6 +25,19 @@ bool is_on_map(int map, vec2 ground, out vec2 at) {
     at /= seen.w;
 #endif
     return true;
+}
+
+// How many texels of the texture, of `size` (2,) in texels, a metre of the plane has at a point that the map shows.
+float texels_per_m(int map, vec2 ground, vec2 size) {
+    mat4 seen_from_ground = ground_shadow_from_marker[map];
+    vec2 along_x = seen_from_ground[0].xy, along_y = seen_from_ground[1].xy;
+#if LAMPS
+    vec4 seen = seen_from_ground * vec4(ground, 0.0, 1.0);
+    vec2 at = seen.xy / seen.w;
+    along_x = (along_x - at * seen_from_ground[0].w) / seen.w;
+    along_y = (along_y - at * seen_from_ground[1].w) / seen.w;
+#endif
+    return sqrt(abs(determinant(mat2(along_x * size, along_y * size))));
 }
 
 // The fraction of a light that a caster, in the order of shadow.glsl, lets through to a point of the plane.
@@ -48,14 +60,16 @@ float lit_around(int caster, int light, vec2 ground, float width_m) {
     int map = caster * LIGHTS + light;
     vec2 at;
     if (!is_on_map(map, ground, at)) return 1.0;
-    float texels = clamp(width_m * ground_shadow_texels_per_m[map], 1.0, exp2(ground_shadow_levels));
     vec2 size = vec2(textureSize(ground_shadows, 0));
-    vec2 texel = texels / size;
-    vec2 within = 0.5 * (texel - 1.0 / size);  // from the tile's border to the middle of the coarser texel there
+    float texels = max(width_m * texels_per_m(map, ground, size), 1.0);
+    vec2 width = texels / size, tile = ground_shadow_upper[map] - ground_shadow_lower[map];
+    // From the tile's border to the middle of such a width there, or to the tile's own middle.
+    vec2 within = min(0.5 * (width - 1.0 / size), 0.5 * tile);
     vec2 nearest = clamp(at, ground_shadow_lower[map] + within, ground_shadow_upper[map] - within);
-    // Nothing beyond the tile is shaded.
-    vec2 beyond = abs(at - nearest) / texel;
-    float lit = textureLod(ground_shadows, nearest, log2(texels)).r;
+    // Nothing beyond the tile is shaded: a width that exceeds it is lit but for the tile's part of it.
+    vec2 beyond = abs(at - nearest) / width, inside = min(tile / width, 1.0);
+    float lit = textureLod(ground_shadows, nearest, min(log2(texels), ground_shadow_levels)).r;
+    lit = mix(1.0, lit, inside.x * inside.y);
     return mix(lit, 1.0, min(max(beyond.x, beyond.y), 1.0));
 }
 

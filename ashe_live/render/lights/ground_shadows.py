@@ -104,7 +104,6 @@ class GroundShadows:
         ]
         return {
             "ground_shadow_from_marker": np.array(texture_from_marker),
-            "ground_shadow_texels_per_m": np.array([_per_metre(each, texture_size) for each in texture_from_marker]),
             "ground_shadow_levels": np.array(float(self._levels)),
             "ground_shadow_lower": (corners + 0.5) / texture_size,
             "ground_shadow_upper": (corners + self._size - 0.5) / texture_size,
@@ -190,12 +189,3 @@ def _ground_from_tile(tile_from_marker: Float) -> Float:
     found = np.zeros((4, 4))
     found[on_plane] = np.linalg.inv(tile_from_marker[on_plane])
     return found
-
-
-def _per_metre(texture_from_marker: Float, texture_size: Float) -> float:
-    """Texels of the texture a metre of the plane has at the marker's centre; 0 where a lamp does not see it."""
-    (x, y), w = texture_from_marker[:2, 3], texture_from_marker[3, 3]
-    if w <= 0:
-        return 0.0
-    moves = (texture_from_marker[:2, :2] - np.outer((x / w, y / w), texture_from_marker[3, :2])) / w
-    return math.sqrt(abs(float(np.linalg.det(moves * texture_size[:, None]))))

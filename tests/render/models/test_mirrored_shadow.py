@@ -1,6 +1,7 @@
 """A model's own shadow on the ground, as its polished surfaces mirror it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -84,3 +85,20 @@ def test_metal_mirrors_its_shadow_as_wide_and_as_dark_as_its_lobe_meets_it(
     assert len(errors) >= 15
     # Lit ground and shadow are 0.8 apart.
     assert np.sqrt(np.mean(np.square(errors))) < 0.06
+
+
+@pytest.mark.parametrize("inverse_distance", [0.0, 2.5])
+def test_where_satin_metal_mirrors_the_horizon_its_own_shadow_draws_no_line(
+    make_renderer, stage, inverse_distance: float
+) -> None:
+    """What it mirrors there is wide, and all of the shadow is a small part of it; in a sun, and under a lamp."""
+    tracked = stage.tracked(GREY, stage.pose(-90, 30, 0.25))
+    light = replace(stage.light(70, 45, (LEFT,) * 3), inverse_distance=inverse_distance)
+    scene = Scene(tracked, stage.placed(_ball(0.4)), Illumination((light,), seen_in=tracked))
+    picture = stage.picture(make_renderer(BALANCED.render), scene)
+    # Along the ball's middle, from where it mirrors the ground to where it mirrors the sky, in steps of half a degree.
+    tilts = np.radians(np.arange(-10, 40, 0.5))
+    points = [CENTRE + RADIUS_M * direction_from_angles(-math.pi / 2, tilt) for tilt in tilts]
+    shades = np.array([linear_from_srgb(stage.rgb_at(picture, tracked, tuple(point))[1] / 255) for point in points])
+    darker = (shades[:-8] + shades[8:]) / 2 - shades[4:-4]
+    assert darker.max() < 0.1 * shades.max()  # 0.3 where a line is
