@@ -52,7 +52,7 @@ def show_without_window(
         end_if_asked = stack.enter_context(ended_by_signals())
         stack.enter_context(graphics_failures_reported())
         stack.enter_context(setup.source)
-        renderer = SceneRenderer(offscreen_context(), quality_of(options).render, setup.size)
+        renderer = SceneRenderer(offscreen_context(), quality_of(options).render.offline, setup.size)
         stack.callback(renderer.release)
         session = stack.enter_context(opened_session(setup))
         as_shown = _as_shown(options, session)

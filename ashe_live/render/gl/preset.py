@@ -25,6 +25,11 @@ class RenderPreset:
         """The same with `count` samples a pixel, whatever draws."""
         return replace(self, msaa_samples=count, software_msaa_samples=count)
 
+    @property
+    def offline(self) -> "RenderPreset":
+        """The same for pictures that no display waits for: as many samples a pixel where the processor draws."""
+        return self.with_samples(self.msaa_samples)
+
 
 FAST = RenderPreset(
     shadow_map_size=512,
