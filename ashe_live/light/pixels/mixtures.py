@@ -47,7 +47,7 @@ def clusters(colours: Float32, count: int, start: NDArray[np.intp] | None = None
 
     start: (n,) initial labels, if there are any.
     """
-    # OpenCV's random generator is global: seeded here, so that the result does not depend on what ran before.
+    # OpenCV has one random generator per thread: seeded here, so that the result does not depend on what ran before.
     cv2.setRNGSeed(1)
     criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 12, 0.01)
     how = cv2.KMEANS_PP_CENTERS if start is None else cv2.KMEANS_USE_INITIAL_LABELS
