@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections import Counter
 from functools import cache
+from itertools import chain, pairwise
 from pathlib import Path
 
 import pytest
@@ -221,6 +222,28 @@ def test_a_rooms_own_words_say_what_it_may_import(room: str) -> None:
     words = ast.get_docstring(ast.parse((PACKAGE / room.replace(".", "/") / "__init__.py").read_text(encoding="utf-8")))
     said = set(re.findall(r"`(\w+)`", (words or "").split("May import")[1]))
     assert said == {name.removeprefix("light.") for name in ROOMS[room]}
+
+
+def test_the_map_of_the_estimators_rooms_is_that_of_their_imports() -> None:
+    """Arrows are imports, and where no arrow leads from a room to one that it imports, a way along several does."""
+    text = (CHECKOUT / "docs" / "contributing.md").read_text(encoding="utf-8")
+    chart = re.findall(r"flowchart TD\n(.*?)```", text.partition("## The estimator's rooms")[2], re.DOTALL)[0]
+    arrows: dict[str, set[str]] = {}
+    for line in re.sub(r'\["[^"]*"\]', "", chart).splitlines():
+        for before, after in pairwise(line.split("-->")):
+            arrows.setdefault(before.strip(), set()).update(map(str.strip, after.split("&")))
+    allowed = {
+        room.removeprefix("light."): {other.removeprefix("light.") for other in others if other.startswith("light.")}
+        for room, others in ROOMS.items()
+        if room.startswith("light.")
+    }
+
+    def reached(room: str) -> set[str]:
+        return arrows.get(room, set()).union(*map(reached, arrows.get(room, ())))
+
+    assert {*arrows, *chain(*arrows.values())} == allowed.keys()
+    for room, others in allowed.items():
+        assert arrows.get(room, set()) <= others <= reached(room), room
 
 
 @pytest.mark.parametrize("package", LOADS)

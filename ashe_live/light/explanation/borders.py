@@ -15,7 +15,7 @@ from ashe_live.light.labels.costs import Side
 STEPS = 33  # samples of the search along the normal at a point, from inside to outside
 # Pixels over their effective sample size: the picture is blurred and costs are smoothed, so neighbours are correlated.
 PIXELS_PER_SAMPLE = 2.0
-LEAST_VARIANCE = 0.35**2
+LEAST_VARIANCE = 0.35**2  # px^2, of a border's position, however clear it is
 AT_THE_END = 0.2  # weight of a border found at the end of the search range, which may lie beyond it
 CLEAR = 4.0  # extra cost of taking both sides for the same material, from which on a border is fully clear
 

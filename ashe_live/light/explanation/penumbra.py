@@ -20,7 +20,7 @@ from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.predicted import Predicted
 
 REACH_PX = 11.0  # on either side of the edge
-STEP_PX = 0.5
+STEP_PX = 0.5  # between samples of a profile
 END_SAMPLES = 6  # at each end of a profile, whose medians are the levels inside and outside
 LEAST_DEPTH = 0.6  # least step between these two levels, as a fraction of the shift, in an edge worth measuring
 BESIDE_OBJECT_PX = 2  # where edges are not looked for
@@ -33,7 +33,7 @@ EDGES_PER_SAMPLE = 6.0  # neighbouring places on an edge are correlated: their n
 # What the edges tell of the diameter, over what they would tell if the blur were known: less is rounding, as where all
 # of them are cast from one height and are seen from straight above.
 LEAST_INFORMATION = 1e-9
-LARGEST_RAD = math.radians(20)
+LARGEST_RAD = math.radians(20)  # of a diameter that is stated
 ROBUST_ROUNDS, CAUCHY_SIGMAS = 6, 2.0  # of the regression; and the scale of Cauchy's loss in standard deviations
 # Of `soft_size`, which measures widths of borders in the whole picture.
 DISC_SIGMAS = 2.75  # the width of a disc's penumbra from 10 to 90 %, over its standard deviation

@@ -22,7 +22,7 @@ from ashe_live.light.pixels.view import View
 LEAST_PEAK, HALO, CORE = 0.7, 0.1, 0.25
 COMMON = 0.02  # least weight of a colour of the palette that counts
 BLUR_PX = 2.0  # of the search for the peak: a speck is none
-LEAST_PX = 25
+LEAST_PX = 25  # of its core, and of its halo: smaller ones are specks
 # Fall of log brightness per pixel, as a fraction of the peak's height, at most of the points half-way down it.
 # An edge falls by 0.2 and more; glints in generated pictures (which are wider) by 0.03 to 0.1.
 STEEPEST, MOST = 0.12, 80

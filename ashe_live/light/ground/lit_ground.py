@@ -23,7 +23,7 @@ from ashe_live.light.pixels.view import View, Window
 CELLS = (8, 6)  # columns and rows, over which a colour's spread is counted
 # Squared Mahalanobis distance from the palette beyond which a colour is not the lit ground's, and its upper limit.
 UNLIT_DISTANCE, MOST_DISTANCE = 6.0, 60.0
-SAMPLES, LEAST_SAMPLES = 2000, 500
+SAMPLES, LEAST_SAMPLES = 2000, 500  # pixels of ground whose colours are clustered; fewest that a ground is found by
 # Thresholds on a colour's spread, absolute and relative to the median one (the lower of the two applies): above WIDE it
 # is the ground's, below RARE it is rare.
 WIDE, WIDE_OF_TYPICAL = 0.3, 0.6

@@ -33,8 +33,9 @@ BEFORE = 2  # most regions around what stands before surroundings
 # largest areas, pairs are also tried as one, where the gap is at most this fraction of the smaller one's size. The
 # gap's pixels are those whose distances to both add up to less than BULGE times its width.
 JOINED, WIDEST_GAP, BULGE = 2, 0.8, 1.4
-# Squared distance from the lit ground's palette, smoothed, beyond which a pixel is something else.
-UNLIT_DISTANCE = 7.0
+# Squared Mahalanobis distance from the lit ground's palette, smoothed, beyond which a pixel of a region is something
+# else, at a finer scale than that of the coarse picture, in which UNLIT_DISTANCE of `lit_ground` finds what is unlit.
+UNLIT_IN_REGION = 7.0
 # What lies nearer than this may be ground all the same: what an object's bright side adds to its light, or what glossy
 # ground mirrors, is a small part of it, and this is a quarter where colours scatter by 5 %. Shadows take more away.
 FAINT_DISTANCE = 30.0
@@ -129,7 +130,7 @@ def _clear_parts(group: Mask, ground: LitGround, fine: View) -> list[Mask]:
         return []
     # What is no ground, as a wall or the marker itself, is at no distance from the ground's colours.
     is_ground = resized(fine.is_ground, group.shape[::-1])
-    lit = ground.colours[..., 0][is_ground & (ground.squared_distance < UNLIT_DISTANCE)]
+    lit = ground.colours[..., 0][is_ground & (ground.squared_distance < UNLIT_IN_REGION)]
     dark = clear & (ground.colours[..., 0] < (np.median(lit) if len(lit) else -np.inf) - DARKER)
     parts = _groups(clear, dark, fine)[:CLEAR_PARTS]
     largest_px = MUCH_SMALLER * _box_px(group)
@@ -225,5 +226,5 @@ def _unlit(colours: Float32, ground: LitGround, area: Mask, is_ground: Mask) -> 
     squared = nearest_squared_distance(colours.reshape(-1, 3), palette.centres, palette.covariances).reshape(area.shape)
     smooth = smoothed(np.minimum(squared, MOST_DISTANCE))
     nearby, inside = grown(area, 2) & is_ground, shrunk(area, 1) & is_ground
-    unlit = majority(((smooth > UNLIT_DISTANCE) & nearby) | inside)
+    unlit = majority(((smooth > UNLIT_IN_REGION) & nearby) | inside)
     return unlit, unlit & ~majority(smooth > FAINT_DISTANCE)

@@ -35,8 +35,7 @@ LARGEST_HUE = 0.4
 # But a known shadow has any hue that has so many times the votes of the plausible one. (Of 173 looked-at pictures two
 # show a shadow of no plausible hue, with 6 and 10 times; one more has 2.5 times, and all others less than twice.)
 ANY_HUE = 3.0
-MOST_VOTERS = 1500
-LEAST_VOTERS = 25
+MOST_VOTERS, LEAST_VOTERS = 1500, 25  # unlit pixels that vote; where there are fewer, no shift is found
 
 
 def hue_of(shift: Float) -> float:

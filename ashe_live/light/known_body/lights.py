@@ -22,7 +22,7 @@ from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.shape.light_points import NO_LIGHTS
 
 DARK_ELSEWHERE = 6.0  # log likelihood of a shadow, from which on something does darken the table
-MOST_LIGHTS = 3
+MOST_LIGHTS = 3  # that are looked for
 # The evidence for a further light, as log likelihoods by map and sides: what the best direction of the scan must have
 # for one to be looked for; what one must have that was found; and below what they are evidence against it, as a light
 # explains something by its freedom alone.

@@ -13,7 +13,7 @@ from ashe_live.light.known_body.observed import BESIDE_LIGHTS, CELLS_A_SAMPLE, H
 from ashe_live.light.known_body.table import SIDE
 
 LEAST_NOISE = 0.02  # standard deviation of relative light that every map has
-RIDGE = 1e-6
+RIDGE = 1e-6  # on each light's darkening, times the map's cells: lights with one shadow would be singular
 # The prior of the part of the table's light that a light gives: mean and standard deviation.
 DARKENING, DARKENING_SIGMA = 0.35, 0.35
 MOST_DARKENING = 0.97  # by all lights together: some light always comes from elsewhere

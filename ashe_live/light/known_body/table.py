@@ -14,7 +14,7 @@ from ashe_live.light.pixels.view import View
 # Cells to the body's height, and how far the map reaches from its foot: a shadow in a light of 12 degrees is within it.
 CELLS_A_HEIGHT, REACH_HEIGHTS = 6, 5.3
 SIDE = 2 * round(CELLS_A_HEIGHT * REACH_HEIGHTS) + 1
-LEAST_CELLS = 150
+LEAST_CELLS = 150  # of bare table in view, of the map's SIDE**2: with fewer, nothing is said of lights
 FINER = 3  # a cell is averaged over so many places in each direction
 LEAST_SHARE = 0.95  # of a cell that must be bare table in the picture: all places of it
 GROUND = 255  # value of the ground in a mask

@@ -19,8 +19,8 @@ FREE_PX, FREE_SHARE = 2.0, 0.06
 COST_PER_PX, FARTHEST_PX = 4.0, 8.0
 # Difference in cost below which a pixel is undecided between object and shadow, if such pixels form more than a seam.
 UNDECIDED = 4.0
-SEAM_PX = 5
-LEAST_DOUBT = 0.02
+SEAM_PX = 5  # least width of what is undecided; what is narrower gets the cheaper of both labels
+LEAST_DOUBT = 0.02  # share of object and shadow that must be undecided for it to count
 
 
 def relabelled(region: Region, materials: Materials, object_cost: Float32, fitted: Predicted) -> Split:

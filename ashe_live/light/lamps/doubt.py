@@ -20,11 +20,11 @@ from ashe_live.light.shape.directions import (
     information_on_displacement,
 )
 
-# The probability of a lamp before a picture is seen: it counts only where the evidence leaves it open, in what the
-# direction is at the marker.
+# Prior probability of a lamp. It counts only for the direction at the marker, and only where the evidence leaves open
+# which of the two the light is.
 LAMPS_SHARE = 0.5
-# That chance exceeds once in twenty, as lamps are on one side of a sun: below it a sun's direction stays as it was
-# measured.
+# Deviance of a sun that chance alone exceeds once in twenty (chi-squared, one-sided, as a lamp is only nearer than a
+# sun): below it a sun's direction stays as it was measured.
 CHANCE_DEVIANCE = 2.71
 MOST_LOG_ODDS = 20.0  # of a lamp against a sun, either way
 FAR_TAIL = -5.0  # argument of erf, below which its asymptote is used

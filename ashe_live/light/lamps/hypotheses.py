@@ -39,9 +39,9 @@ WORTH_FITTING, WORTH_FITTING_ROUGH = 4.0, 20.0
 # views show a shadow's parallax, by which no other body in a sun's light passes for a lamp's.
 MOST_BY_OUTLINES, MOST_IN_VIEWS = 20.0, 40.0
 PARAMETER_DEVIANCE = 3.5  # of one shape parameter in the outlines' criterion: the log of their effective sample size
-# Deviances of a sun above which a light is a lamp: by both sources, the fall of light with at least so much, and the
-# outlines not as much against it as they may be; or by the fall of light alone, to which uneven ground may contribute
-# more than its model allows.
+# Deviances of a sun above which a light is a lamp. By both sources together it takes LAMP_DEVIANCE, if LEAST_BY_FALL of
+# it is by the fall of light and the outlines are not as much against a lamp as they may be. Where the outlines are, or
+# were not compared, it takes ALONE_DEVIANCE, as uneven ground may contribute more than its model allows.
 LAMP_DEVIANCE, LEAST_BY_FALL, ALONE_DEVIANCE = 33.0, 13.0, 60.0
 # The same by both in several views, whose outlines' deviance is scaled by their dispersion: of the suns in 27 takes the
 # surest has 15. Neither may favour the sun.

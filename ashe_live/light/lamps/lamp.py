@@ -55,7 +55,7 @@ EXCLUDED_DEVIANCE = 100.0
 WORTH_ALIGNING = 1.5  # standard errors from which on borders are aligned as a lamp's
 WORTH_LOOKING = 1.0  # standard errors from which on other objects are looked for
 OPEN_NEARNESS_SIGMA = 0.5  # 1/m, standard error of the nearness above which a sun is not certain either
-ALIGNMENTS = 2
+ALIGNMENTS = 2  # of the objects as in a lamp's light, each with the nearness that follows from the one before
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -23,9 +23,9 @@ from ashe_live.light.shape.light_points import cast_on_ground
 MOST_SHARE, LEAST_SHARE = 0.98, 0.02  # of all light on the plane that is a light's
 NEAREST = 20.0  # 1/m, nearness of a lamp 5 cm above the plane: a nearer one is taken to be there
 STARTS = (0.0, 0.3, 0.7, 1.2, 2.0, 3.5, 6.0, 10.0)  # 1/m, nearnesses from which the search begins
-# Sigmas of the nearness by the fall of light, as fractions of it: a further one for what is wrong with the labels,
-# beside the noise and unevenness that `FallOff` allows for: by `ashe-live bench fit-lamps` true labels need none;
-# and the whole, by that bench, where it is not estimated from case to case.
+# Standard deviations of the nearness by the fall of light, relative to it, by `ashe-live bench fit-lamps`. The first is
+# added to the noise and unevenness that `FallOff` allows for, and stands for wrong labels: true ones need none. The
+# second is that by all causes, for where it is not estimated from case to case.
 FALL_ERROR_SHARE, WHOLE_ERROR_SHARE = 0.10, 0.19
 ROUNDS, SETTLED = 12, 1e-3  # Gauss-Newton steps at most, and the size of one that ends them
 # Limits of one step: of the nearness in 1/m, and as a fraction of it; of the displacement over the distance per height.

@@ -16,11 +16,11 @@ from ashe_live.light.shape.family import Family, Members, padded
 from ashe_live.light.shape.layout import ParameterLayout
 
 PRIOR_COST = 0.25  # px^2, cost of a parameter one `spread` from its start: it settles what the outlines leave open
-LARGEST_STEP = 1.5
+LARGEST_STEP = 1.5  # of each parameter in one iteration, in theta's units
 # Iterations after which a third of the starts, and then only the best one, are kept.
 FIRST_SELECTION, LAST_SELECTION = 2, 4
 CONVERGED = 1e-2  # relative gain of the cost
-FIRST_DAMPING, HIGHEST_DAMPING = 1e-2, 1e5
+FIRST_DAMPING, HIGHEST_DAMPING = 1e-2, 1e5  # Marquardt's; a search that is damped more is stuck
 STEP_DAMPING, LONGEST_STEP = 1e-3, 1.0  # of single steps, from a start near the solution
 GIVE_UP_FACTOR = 3.0  # a search whose cost remains above this multiple of its scene's best is given up
 

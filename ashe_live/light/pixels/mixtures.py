@@ -11,14 +11,14 @@ from ashe_live.core.arrays import Float, Float32
 
 # Standard deviations added to every component's: image noise, JPEG artefacts, relief.
 COLOUR_NOISE = np.array([0.05, 0.045, 0.045])
-LEAST_MEMBERS = 5
+LEAST_MEMBERS = 5  # colours of a component
 # Colours are processed in blocks whose intermediate results fit into the processor's cache.
 BLOCK = 4096
 # Largest cost: twice the negative log density of the uniform background component, a few per cent of every material.
 UNEXPLAINED = 13.0
 ROWS, COLUMNS = np.triu_indices(3)  # of a quadratic form's six coefficients
 TIMES = np.where(ROWS == COLUMNS, 1.0, 2.0)  # that each of these is in the form's matrix
-NORMAL = 3 * math.log(2 * math.pi)
+NORMAL = 3 * math.log(2 * math.pi)  # twice the log of a normal density's constant, in three dimensions
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,7 +47,7 @@ def clusters(colours: Float32, count: int, start: NDArray[np.intp] | None = None
 
     start: (n,) initial labels, if there are any.
     """
-    # OpenCV's random generator is global: seeded here, so that the result does not depend on what ran before.
+    # OpenCV has one random generator per thread: seeded here, so that the result does not depend on what ran before.
     cv2.setRNGSeed(1)
     criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 12, 0.01)
     how = cv2.KMEANS_PP_CENTERS if start is None else cv2.KMEANS_USE_INITIAL_LABELS

@@ -22,7 +22,7 @@ STEP = 0.02  # between samples
 ALONG = np.linspace(-0.45, 0.45, 16)  # lines of samples across a side
 LEAST_CHANGE = 0.2  # log-opponent distance from the margin's colour beyond which the paper has ended
 LASTING = 4  # samples in a row for which it has, or else it is a speck; the last of them is past the blurred edge
-HALF_WAY = 0.5
+HALF_WAY = 0.5  # of the change of colour, where the paper's blurred edge counts as its end
 ADDED = 0.04  # sides: a card's thickness, and paper that curls
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.arrays import FRACTION_BITS, Float, Image, Mask, fixed_point
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import PlaneMarker
@@ -202,7 +202,7 @@ def _ground_mask(camera: Camera, T_cam_marker: Float, printed_marker: Sequence[F
         outline = project(camera, T_cam_marker, before_camera(points, T_cam_marker))
         if len(outline):
             hull = cv2.convexHull(np.clip(outline, -1e6, 1e6).astype(np.float32))[:, 0]
-            cv2.fillConvexPoly(mask, np.round(hull * 16).astype(np.int32), 0, shift=4)
+            cv2.fillConvexPoly(mask, fixed_point(hull), 0, shift=FRACTION_BITS)
     return mask.view(np.bool_)
 
 

@@ -52,7 +52,7 @@ class LightPatch:
         return ideal_px if self.camera is None else source_from_ideal(self.camera, ideal_px)
 
     def at(self, x_px: Float, y_px: Float) -> Light:
-        """Linear light at ideal pixels, each (ACROSS, 4, samples), interpolated; negative where the picture ends."""
+        """Linear light at ideal pixels, x and y (ACROSS, s, samples), interpolated; negative where the picture ends."""
         if self.is_distorted:
             x_px, y_px = self.source_px(np.column_stack([x_px.ravel(), y_px.ravel()])).T.reshape(2, *x_px.shape)
         left, top = self.origin_px
@@ -73,9 +73,10 @@ class LightPatch:
 def edge_offsets(values: Light, reaches_px: Float, spreads_px: Float) -> tuple[Float, Float, Float]:
     """How far outwards the edge lies, in pixels, whether there is one, as 0 or 1, and each side's blur.
 
-    `values` (ACROSS, 4, samples) is the light from `reaches_px` (4,) within the sides to as far beyond them; the first
-    two results are (4, samples), the third is (4,) standard deviations in pixels. The edge is the centre of gravity of
-    the rise from black to white; a fall, as from paper to ground, is none.
+    `values` (ACROSS, s, samples) is the light across s sides, of one square or of several, from `reaches_px` (s,)
+    within them to as far beyond them; `spreads_px` (s,) is the half width of the window in which an edge's place is
+    measured. The first two results are (s, samples), the third is (s,) standard deviations in pixels. The edge is the
+    centre of gravity of the rise from black to white; a fall, as from paper to ground, is none.
     """
     samples = values.shape[2]
     rises = np.maximum(values[1:] - values[:-1], 0)

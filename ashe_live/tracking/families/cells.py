@@ -16,7 +16,8 @@ from ashe_live.core.arrays import Float, Image
 # least lead over the second best.
 MIN_CORRELATION, MIN_COARSE_CORRELATION = 0.6, 0.3
 MIN_LEAD = 0.12
-# Largest probability that random cells count as any marker of a dictionary: 0.003 of the 50 of 16 cells, the shortest.
+# Largest probability with which a square of random cells may be read as some marker of a dictionary: with 50 markers of
+# 4 x 4 cells, the shortest code, it is 0.003 if no cell may be wrong.
 CHANCE = 0.004
 # Least correlation where nobody said which marker it is: a print of another family, with cells of another size, has up
 # to 0.75 with the most similar of a thousand, in looked-at pictures of the generator (a study without a command).

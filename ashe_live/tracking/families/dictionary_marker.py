@@ -41,18 +41,23 @@ APRILTAG_FAMILIES: dict[str, int] = {
 }
 
 
+def marker_count(dictionary: int) -> int:
+    """How many markers one of OpenCV's predefined dictionaries has, by its number."""
+    return len(cv2.aruco.getPredefinedDictionary(dictionary).bytesList)
+
+
 class DictionaryMarker:
     """One marker of a predefined dictionary."""
 
     def __init__(self, spec: str, dictionary: int, marker_id: int) -> None:
+        """`marker_id`: below the `marker_count` of that dictionary."""
         self.spec = spec
         self.marker_id = marker_id
         self._number = dictionary
         self._dictionary = cv2.aruco.getPredefinedDictionary(dictionary)
-        if marker_id < self.count:
-            self._reader = reader_of(dictionary)
-            cells = self._dictionary.markerSize + 2
-            self.alignment = PrintAlignment(self.bitmap(SAMPLES_A_CELL * cells), 1 / cells)
+        self._reader = reader_of(dictionary)
+        cells = self._dictionary.markerSize + 2
+        self.alignment = PrintAlignment(self.bitmap(SAMPLES_A_CELL * cells), 1 / cells)
         self._parameters = cv2.aruco.DetectorParameters()
         # The tracker refines at full resolution.
         self._parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
@@ -61,11 +66,6 @@ class DictionaryMarker:
     def is_of_dictionary(self, other: object) -> bool:
         """Whether `other` is a marker of the same dictionary."""
         return isinstance(other, DictionaryMarker) and other._number == self._number
-
-    @property
-    def count(self) -> int:
-        """How many markers its dictionary has."""
-        return len(self._dictionary.bytesList)
 
     def find(self, grey: Image, min_side_px: float = MIN_SIDE_PX, thorough: bool = True) -> list[Float]:
         """See Marker.find; the largest first."""

@@ -7,7 +7,12 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.errors import UserError
 from ashe_live.tracking.edges.print_alignment import PrintAlignment
 from ashe_live.tracking.edges.quads import MIN_SIDE_PX
-from ashe_live.tracking.families.dictionary_marker import APRILTAG_FAMILIES, DICTIONARIES, DictionaryMarker
+from ashe_live.tracking.families.dictionary_marker import (
+    APRILTAG_FAMILIES,
+    DICTIONARIES,
+    DictionaryMarker,
+    marker_count,
+)
 from ashe_live.tracking.families.pattern_files import read_marker_picture, read_pattern_file
 from ashe_live.tracking.families.pattern_marker import PatternMarker
 
@@ -58,10 +63,11 @@ def _dictionary_marker(spec: str, kind: str, family: str, marker_id: str) -> Dic
         raise UserError(f"the marker {spec!r} needs a dictionary and a number", SPEC_FORMS)
     if family not in families:
         raise UserError(f"{kind} knows no dictionary {family!r}", f"choose one of {', '.join(families)}")
-    marker = DictionaryMarker(spec, families[family], int(marker_id[:9]))
-    if len(marker_id) > 9 or marker.marker_id >= marker.count:
-        raise UserError(f"{kind}:{family} has no marker {marker_id}", f"choose a number from 0 to {marker.count - 1}")
-    return marker
+    dictionary = families[family]
+    count = marker_count(dictionary)
+    if len(marker_id) > 9 or int(marker_id) >= count:  # a number may have more digits than Python converts
+        raise UserError(f"{kind}:{family} has no marker {marker_id}", f"choose a number from 0 to {count - 1}")
+    return DictionaryMarker(spec, dictionary, int(marker_id))
 
 
 def _pattern_marker(spec: str, print_grey: Image, is_exact: bool = True) -> PatternMarker:

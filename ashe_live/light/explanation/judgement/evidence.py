@@ -19,7 +19,7 @@ from ashe_live.light.shape.predicted import Predicted
 # The ring on either side of an outline where its sharpness is measured; the outline's own pixels are mixed.
 RING_PX = (1.0, 4.0)
 BESIDE_OBJECT_PX = 3.0  # pixels nearer to the object than this may belong to it
-WITHIN_PX = 1.5
+WITHIN_PX = 1.5  # from a shadow's outline, whose pixels are mixed, to its inside
 # The ground in shadow explains a colour whose unary cost is below the first and that lacks at least the second as a
 # share of the light that the shadow takes: what lacks less may be the rim of a shadow.
 EXPLAINED, DEEP = 0.0, 0.7

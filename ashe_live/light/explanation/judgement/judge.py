@@ -33,8 +33,8 @@ GOOD_RAD = math.radians(10)
 # A sample of an isotropic 2D normal distribution lies beyond r times its 68 % radius with probability
 # exp(RAYLEIGH_68 r^2): the radius has a Rayleigh distribution.
 RAYLEIGH_68 = math.log(1 - 0.68)
-LEAST_GOOD = 1e-6
-LEAST_PROBABILITY = 1e-9
+LEAST_GOOD = 1e-6  # probability of a good direction, so that its logarithm is finite
+LEAST_PROBABILITY = 1e-9  # so that log odds are finite
 SETTLED = 0.7  # probability of a direction above which the search ends
 # Log odds are clipped here, far beyond any effect, so that their exponentials do not overflow.
 MOST_LOG_ODDS = 50.0

@@ -24,7 +24,7 @@ SPREAD_OF_NOISE = 0.03  # added to both spreads: smaller differences in log brig
 # Prior on the amplitudes of the sky's shading and of the light's, means and standard deviations: both would be 1 if the
 # object were matt, of one colour, and exactly of the body's shape.
 PRIOR_MEAN, PRIOR_SIGMA = np.array([1.0, 0.5]), np.array([0.7, 0.5])
-LEAST_NOISE = 0.05
+LEAST_NOISE = 0.05  # standard deviation of what shading leaves unexplained, log brightness
 PIXELS_PER_SAMPLE_OF_OBJECT = 40  # pixels over their effective sample size: an object's colours come in patches
 
 

@@ -18,7 +18,7 @@ NORMALS.flags.writeable = False
 LEVEL_Z = 0.99  # of the normal of a facet that counts as level, at least
 # A print leaves half of a facet white: what is brighter than most of it, without what gloss or noise makes brightest.
 WHITE = (0.9, 0.98)  # quantiles
-RIM_PX, LEAST_PX = 2, 30
+RIM_PX, LEAST_PX = 2, 30  # of a facet: width of the rim that is left out, and pixels within it, at least
 ENOUGH = 2000  # pixels of a facet, by which the limits are known to less than a hundredth of all
 CLIPPED = 0.95  # linear light, from which on it may be any
 INK = 0.1  # quantile of a facet's brightness: print is a good third of it

@@ -28,7 +28,7 @@ from ashe_live.light.shape.predicted import predicted_of
 # the light, bumps of a rough ground in low light, a shadow's soft rim, tone mapping that differs from place to place.
 WORST_GRADIENT, WORST_CURVATURE, WORST_CONTRAST = 0.25, 0.4, 0.3
 WORST = np.array([WORST_GRADIENT] * 2 + [WORST_CURVATURE] * 3 + [WORST_CONTRAST])
-LEAST_CONTRAST, MOST_CONTRAST = 0.3, 3.0
+LEAST_CONTRAST, MOST_CONTRAST = 0.3, 3.0  # limits of the camera's contrast beside that of sRGB, which is fitted along
 BLOCK = 60_000  # samples times lights that are tried at once: what is computed then fits into the processor's cache
 
 

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Image, Mask
+from ashe_live.core.square import mean_side_px
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.clean_plate.plain_ground import change_of_light
@@ -18,10 +19,10 @@ from ashe_live.light.pixels.sheet import MarkerPicture
 from ashe_live.light.pixels.view import plane_homography, scaled_down
 
 WIDTH_PX = 320  # of the pictures that are compared
-BLUR_PX = 1.0
+BLUR_PX = 1.0  # standard deviation of the blur before edges are compared
 # What is registered is log brightness without what changes over so many pixels, as light and shadow do.
 SLOW_PX = 8.0
-ROUNDS, LEAST_GAIN = 40, 1e-4
+ROUNDS, LEAST_GAIN = 40, 1e-4  # of the registration (ECC): iterations, and gain of the correlation that ends it
 # In each of so many columns and rows of cells the steepest share of the plate's pixels are edges, if they are at least
 # so steep: by Sobel's operator, 8 times the change of log brightness over a pixel.
 CELLS, EDGES, STEEP, FEWEST_EDGES = (8, 6), 0.05, 1.0, 40
@@ -57,6 +58,7 @@ def registered(tracked: TrackedFrame, empty: TrackedFrame) -> Image | None:
 
 
 def _small(tracked: TrackedFrame) -> MarkerPicture:
+    """The frame's picture as it is compared, WIDTH_PX wide at most."""
     image, camera = scaled_down(np.asarray(tracked.frame.image_bgr), tracked.camera, WIDTH_PX)
     return MarkerPicture(image, camera, tracked.pose.T_cam_marker, tracked.pose.side_m)
 
@@ -66,8 +68,7 @@ def _has_moved_marker(tracked: TrackedFrame, empty: TrackedFrame, to_before: Flo
     corners_px = np.array(empty.pose.corners_px)
     mapped_px = cv2.perspectiveTransform(np.array(tracked.pose.corners_px)[None], to_before)[0]
     away_px = np.linalg.norm(mapped_px - corners_px, axis=1).mean()
-    side_px = np.linalg.norm(corners_px - np.roll(corners_px, 1, axis=0), axis=1).mean()
-    return bool(away_px > MOST_MOVED * side_px + 1)
+    return bool(away_px > MOST_MOVED * mean_side_px(corners_px) + 1)
 
 
 def same_share(image_bgr: Image, plate_bgr: Image) -> float:
