@@ -52,7 +52,7 @@ class Renderer:
 
         size = arguments.picture_size(size, "size")
         DRAWN.checked(size[0] * size[1], "the number of pixels in size")
-        preset = quality_named(quality).render
+        preset = quality_named(quality).render.offline
         self._maker = os.getpid(), threading.get_ident()
         self._context = offscreen_context()
         with self._context:

@@ -27,7 +27,7 @@ QUALITY_HELP = (
 ESTIMATOR_HELP = f"how the light is estimated; `paper` is the AShE paper's method (default {DEFAULT_ESTIMATOR})"
 LAYERS = ("both", "model", "shadow")
 UPS = ("x", "y", "z", "-x", "-y", "-z")
-ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first with a steady marker)"
+ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first of a clip with a steady marker)"
 # The same as in ashe_live.quality, whose imports --help must not wait for.
 QUALITIES = ("fast", "balanced", "accurate")
 
