@@ -31,6 +31,7 @@ from tests.conftest import box_corners
 from tests.painted_cubes import CAMERA as CUBE_CAMERA
 from tests.painted_cubes import EDGE_M, CubeScene, looking, painted, sun
 from tests.shipped_scenes import CASES
+from tests.thin_rod import unevenness, write_rod
 
 PAGE = CHECKOUT / "docs" / "api.md"
 EXAMPLES = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
@@ -222,6 +223,16 @@ def test_the_marker_is_covered_on_request_and_by_the_ground_of_its_own_video():
         np.testing.assert_array_equal(
             renderer.render(cone, tiny, light, hides_marker=True), fresh.render(cone, tiny, light, hides_marker=True)
         )
+
+
+def test_what_is_thinner_than_a_pixel_is_whole_without_a_window(tmp_path):
+    """As on a GPU; `fast` has one sample a pixel."""
+    cone, rod = CASES["clean_cone"].tracked(), write_rod(tmp_path / "rod.obj")
+    uneven = {}
+    for quality in ("fast", "balanced"):
+        with al.Renderer(cone.frame.size, quality) as renderer:
+            uneven[quality] = unevenness(renderer.render(cone, str(rod), is_cut_out=True, up="z")[..., 3])
+    assert uneven["balanced"] < 0.3 < uneven["fast"]
 
 
 def test_a_lamp_in_the_markers_plane_is_drawn_as_one_that_lights_no_ground(ran):

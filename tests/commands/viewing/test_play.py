@@ -24,6 +24,8 @@ from ashe_live.viewer.output.report import Report
 from ashe_live.viewer.view_options import WHOLE
 from tests.checkout import CHECKOUT
 from tests.commands.conftest import InstantWorker, contract
+from tests.shipped_scenes import CASES
+from tests.thin_rod import unevenness, write_rod
 
 pytestmark = pytest.mark.usefixtures("instant")
 # Ground over the marker takes longer than all else of a short run: it is asked for where it is what a test is about.
@@ -246,6 +248,18 @@ def test_picture_and_light_are_kept_though_the_report_finds_no_room(run, files, 
     assert "cannot write r.json" in outcome.err[-1]
     assert "azimuth" in outcome.out[0]
     assert cv2.imread(str(out)) is not None
+
+
+def test_what_is_thinner_than_a_pixel_is_whole_without_a_window(run, tmp_path):
+    """As on a GPU; `fast` has one sample a pixel."""
+    cone, rod, uneven = CASES["clean_cone"], write_rod(tmp_path / "rod.obj"), {}
+    seen = cone.image_path, "--hfov", f"{cone.camera.hfov_deg}", "--marker", cone.marker_spec
+    for quality in ("fast", "balanced"):
+        out = tmp_path / f"{quality}.png"
+        drawn = "--quality", quality, "--model", rod, "--up", "z", "--layers", "model", "--out", out
+        assert run("play", *seen, "--headless", "--no-hide-marker", *drawn).status == 0
+        uneven[quality] = unevenness(cv2.imread(str(out), cv2.IMREAD_UNCHANGED)[..., 3])
+    assert uneven["balanced"] < 0.3 < uneven["fast"]
 
 
 def test_a_report_needs_headless(run, film, tmp_path):
