@@ -4,7 +4,6 @@ import contextlib
 import gc
 import os
 import sys
-import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -27,7 +26,6 @@ GL_TYPES = (
 # Only Linux has EGL; elsewhere moderngl's default is right.
 STANDALONE: dict[str, Any] = {"standalone": True} | ({"backend": "egl"} if sys.platform.startswith("linux") else {})
 
-UNDISTURBED_S = 0.1  # longer than it takes to go through all objects of a process with a viewer
 # The latter is moderngl's name for all errors newer than OpenGL 3, GL_CONTEXT_LOST among them.
 FATAL_ERRORS = ("GL_OUT_OF_MEMORY", "GL_UNKNOWN_ERROR")
 
@@ -82,17 +80,10 @@ def check_graphics(ctx: Context) -> None:
 
 
 def live_gl_objects() -> int:
-    """Buffers, textures, framebuffers, programs and the like that this process holds.
+    """Buffers, textures, framebuffers, programs and the like that this process holds, whatever other threads do.
 
-    Other threads may run; no one may be inside OpenCV meanwhile.
+    An object refers to its class. A list of all objects would hold tuples that other threads are filling, which CPython
+    and OpenCV then cannot enlarge (SystemError).
     """
     gc.collect()
-    # A tuple that a thread is filling must not be in the garbage collector's list when that goes on: CPython, as
-    # OpenCV does, fails to enlarge one that is held elsewhere (SystemError). So no other thread has a turn meanwhile.
-    usual_s = sys.getswitchinterval()
-    sys.setswitchinterval(UNDISTURBED_S)
-    try:
-        time.sleep(0)  # those that wait for their turn by the usual interval have it before
-        return sum(isinstance(thing, GL_TYPES) for thing in gc.get_objects())
-    finally:
-        sys.setswitchinterval(usual_s)
+    return sum(isinstance(thing, GL_TYPES) for thing in gc.get_referrers(*GL_TYPES))
