@@ -10,7 +10,7 @@ from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.light.live.worker import LONGEST_ESTIMATE_S, LightWorker
 from ashe_live.light.live.worker_messages import Draw, WorkerFailure
 from ashe_live.models.catalogue import ChosenModel
-from ashe_live.tracking.families.instead import Instead
+from ashe_live.tracking.families.seen_instead import SeenInstead
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.estimates.light_watch import LightWatch, NewAnswer
@@ -54,7 +54,7 @@ class Session:
         self._not_there_yet = NotThereYet(self.notice, self.watch)
         self.view = ViewOptions(self.notice)
         self.has_named_marker = True  # whether a person has named the one that is looked for
-        self.instead = Instead()  # what is seen while the followed marker is not
+        self.seen_instead = SeenInstead()  # what is seen while the followed marker is not
         self.room_light = RoomLight()
         self.first = first
         self._by_hand_s = -math.inf

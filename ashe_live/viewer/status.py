@@ -154,7 +154,7 @@ def guidance(session: Session) -> tuple[str, ...]:
         return (note,)
     if _is_moved_out_of_picture(session):
         return (OUT_OF_PICTURE,)
-    instead = session.instead
+    instead = session.seen_instead
     if specs := instead.in_view:
         return (f"{in_view_text(specs)}: M follows {in_words(specs[0])}",)
     if instead.mirrored:

@@ -23,7 +23,7 @@ from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.gl.offscreen import graphics_failures_reported
 from ashe_live.render.screen import Screen
-from ashe_live.tracking.families.instead import Instead
+from ashe_live.tracking.families.seen_instead import SeenInstead
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
@@ -639,7 +639,7 @@ def test_escape_leaves_what_was_entered_last(stage):
 def others(stage, monkeypatch) -> list[str]:
     """Which markers are seen in every frame without the one that is followed."""
     seen = ["aruco:4x4_50:7"]
-    monkeypatch.setattr(marker_hunt, "shown_instead", lambda _image: Instead(tuple(seen)))
+    monkeypatch.setattr(marker_hunt, "seen_instead", lambda _image: SeenInstead(tuple(seen)))
     monkeypatch.setattr(marker_hunt, "EVERY_S", 0.0)
     stage.pipeline.may_follow_others = True
     return seen
@@ -650,7 +650,7 @@ def test_the_one_marker_in_view_is_followed_where_nobody_named_any(stage, others
     stage.pipeline.frames.put(stage.fakes.tracked(0, has_marker=False))
     steps = [awaited(stage, lambda: stage.pipeline.followed)] if takes_any_marker else []
     if not takes_any_marker:
-        seen = awaited(stage, lambda: stage.session.instead.in_view == tuple(others), Command.FOLLOW_OTHER)
+        seen = awaited(stage, lambda: stage.session.seen_instead.in_view == tuple(others), Command.FOLLOW_OTHER)
         steps = [seen, None, lambda: None]
     stage.run(*steps, takes_any_marker=takes_any_marker)
     assert stage.pipeline.followed == others
@@ -669,7 +669,7 @@ def test_a_marker_with_a_model_of_its_own_is_not_followed_beside_one_without(sta
 
 def test_a_marker_is_followed_once_though_it_is_not_tracked_at_once(stage, others, capfd):
     stage.pipeline.frames.put(stage.fakes.tracked(0, has_marker=False))
-    seen_again = awaited(stage, lambda: stage.pipeline.followed and stage.session.instead.in_view)
+    seen_again = awaited(stage, lambda: stage.pipeline.followed and stage.session.seen_instead.in_view)
     stage.run(
         awaited(stage, lambda: stage.pipeline.followed),
         seen_again,
@@ -685,7 +685,7 @@ def test_a_marker_is_followed_once_though_it_is_not_tracked_at_once(stage, other
 def test_of_several_markers_a_person_chooses(stage, others):
     others.append("apriltag:36h11:3")
     stage.pipeline.frames.put(stage.fakes.tracked(0, has_marker=False))
-    stage.run(awaited(stage, lambda: len(stage.session.instead.in_view) == 2), None, takes_any_marker=True)
+    stage.run(awaited(stage, lambda: len(stage.session.seen_instead.in_view) == 2), None, takes_any_marker=True)
     assert stage.pipeline.followed == []
     said = " ".join(guidance(stage.session))
     assert "aruco:4x4_50:7 and apriltag:36h11:3 are in view" in said
@@ -750,7 +750,7 @@ def test_of_an_upright_picture_fields_of_view_count_along_its_height(stage):
 def test_no_other_is_looked_for_while_the_marker_is_there(stage):
     stage.put(0)
     stage.run(*[None] * 6, takes_any_marker=True)
-    assert stage.session.instead.in_view == ()
+    assert stage.session.seen_instead.in_view == ()
     assert stage.pipeline.followed == []
 
 

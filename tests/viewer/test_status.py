@@ -14,8 +14,8 @@ from ashe_live.core.transforms import direction_from_angles
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import Placement, placed_on_marker
 from ashe_live.models.primitives import box
-from ashe_live.tracking.families.instead import TOO_DARK, Instead
 from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.families.seen_instead import ALL_BLACK, SeenInstead
 from ashe_live.viewer.hands.requests import Command
 from ashe_live.viewer.status import (
     LAMP_AMONG_MANY,
@@ -69,11 +69,11 @@ def test_until_a_marker_was_seen_it_says_how_to_get_one(make, fakes):
     assert not any("cube" in line for line in guidance(session))
     session.watch.camera_may_move = True
     assert any("marker --show" in line for line in guidance(session))
-    session.instead = Instead(mirrored=("aruco:4x4_50:0",))
+    session.seen_instead = SeenInstead(mirrored=("aruco:4x4_50:0",))
     assert guidance(session)[0].startswith("aruco:4x4_50:0 is in view, but in mirror image: ")
-    session.instead = Instead(fault=TOO_DARK)
-    assert guidance(session) == (f"no marker is seen: {TOO_DARK}",)
-    session.instead = Instead()
+    session.seen_instead = SeenInstead(fault=ALL_BLACK)
+    assert guidance(session) == (f"no marker is seen: {ALL_BLACK}",)
+    session.seen_instead = SeenInstead()
     session.take(fakes.tracked(), 0.0)
     session.take(fakes.tracked(has_marker=False), 0.0)
     assert guidance(session) == ()
@@ -97,7 +97,7 @@ def test_after_no_light_it_says_what_to_change(shown, fakes):
 
 def test_other_markers_in_view_are_named_with_the_key_that_follows_one(shown):
     session = shown()
-    session.instead = Instead(("aruco:4x4_50:7", "aruco:4x4_50:9"))
+    session.seen_instead = SeenInstead(("aruco:4x4_50:7", "aruco:4x4_50:9"))
     (line,) = guidance(session)
     assert "aruco:4x4_50:9" in line
     assert line.endswith("M follows aruco:4x4_50:7")

@@ -31,7 +31,7 @@ from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
 from ashe_live.light.live.same_scene import first_of_most, of_one_scene
 from ashe_live.process.messages import listed, print_message, printable
 from ashe_live.process.unexpected_errors import fault, outer_cause, show_traceback
-from ashe_live.tracking.families.instead import shown_instead
+from ashe_live.tracking.families.seen_instead import seen_instead
 from ashe_live.tracking.tracker import MarkerTracker
 
 Result = TypeVar("Result")
@@ -131,7 +131,7 @@ class FileEstimator:
         if tracked.marker is not None:
             return _Looked(path, record, seen, tracker)
         times = {"detect": tracked.detect_ms, "total": tracked.detect_ms}
-        instead = shown_instead(tracked.frame.image_bgr)
+        instead = seen_instead(tracked.frame.image_bgr)
         not_found = not_found_text(chosen.marker, not self.options.takes_any_marker, instead)
         record = dataclasses.replace(record, timing_ms=times, in_view=instead.in_view, not_found=not_found)
         return record, self._picture(tracked, None)

@@ -10,7 +10,7 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.key_views import KeyViews, kept_size, scaled
 from ashe_live.light.live.same_scene import first_of_most
-from ashe_live.tracking.families.instead import fault_of_exposure
+from ashe_live.tracking.families.seen_instead import extreme_exposure
 from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
@@ -102,7 +102,7 @@ class _SeenFrames:
                 self.chosen = tracked
         if self.first_with_marker is None and tracked.marker is not None:
             self.first_with_marker = tracked
-        if tracked.marker is None and fault_of_exposure(tracked.frame.image_bgr) is None:
+        if tracked.marker is None and extreme_exposure(tracked.frame.image_bgr) is None:
             self.last_exposed = tracked
 
     @property

@@ -14,8 +14,8 @@ from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
 from ashe_live.process.messages import print_message
 from ashe_live.tracking.families.in_view import in_view_text, markers_in_view, mirrored_text
-from ashe_live.tracking.families.instead import Instead
 from ashe_live.tracking.families.layout import is_of_cube, members_of, parse_target, the_marker
+from ashe_live.tracking.families.seen_instead import SeenInstead
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.tracker import MarkerTracker
 
@@ -127,7 +127,7 @@ def _searched(source: Source, first: int, last: int | None) -> Iterator[Frame]:
         next_s = None if number < LOOKED_AT else frame.time_s + STEP_S
 
 
-def not_found_text(marker: str, is_named: bool, instead: Instead) -> str:
+def not_found_text(marker: str, is_named: bool, instead: SeenInstead) -> str:
     """That `marker`, which a person may have named, was not found, what is seen instead, and what helps."""
     if instead.mirrored:
         said = mirrored_text(instead.mirrored)

@@ -26,7 +26,7 @@ from ashe_live.process.signals import ended_by_signals
 from ashe_live.render.gl.offscreen import graphics_failures_reported, offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.families.instead import Instead, shown_instead
+from ashe_live.tracking.families.seen_instead import SeenInstead, seen_instead
 from ashe_live.viewer.display import cut_out
 from ashe_live.viewer.headless import HeadlessRun, play_headless
 from ashe_live.viewer.output.as_shown import AsShown, read_as_shown
@@ -161,7 +161,7 @@ def _notices(setup: ViewerSetup, session: Session, found: set[int]) -> Iterator[
     if setup.source.note is not None:
         yield setup.source.note
     if not found:
-        instead = Instead() if session.tracked is None else shown_instead(session.tracked.frame.image_bgr)
+        instead = SeenInstead() if session.tracked is None else seen_instead(session.tracked.frame.image_bgr)
         if not setup.source.is_photo:
             instead = replace(instead, fault=None)  # a clip's last picture may be the end of a fade
         yield f"{name}: {not_found_text(options.marker, not options.takes_any_marker, instead)}"

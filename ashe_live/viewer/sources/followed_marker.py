@@ -70,19 +70,19 @@ class FollowedMarker:
         if not self._pipeline.may_follow_others:
             return
         is_news = self._hunt.look(session.tracked, now_s)
-        session.instead = self._hunt.instead
+        session.seen_instead = self._hunt.seen_instead
         if (answer := self._hunt.take_answer()) is not None:
             self._take_next(answer, now_s)
         elif is_news and self._takes_any_marker and not session.room_light.has_seen_marker:
             # The first frames after a change are still those in which the new marker was not looked for.
             own = {self._pipeline.marker, *(stand.marker for stand in session.arrangement.stands)}
-            free = [spec for spec in self._hunt.instead.in_view if spec not in own]
+            free = [spec for spec in self._hunt.seen_instead.in_view if spec not in own]
             if len(free) == 1:
                 self._follow(free[0], now_s)
 
     def follow_other(self, now_s: float) -> None:
         """Follows another marker in view; while the one that is followed is there, others are looked for first."""
-        others = [spec for spec in self._hunt.instead.in_view if spec != self._pipeline.marker]
+        others = [spec for spec in self._hunt.seen_instead.in_view if spec != self._pipeline.marker]
         if others:
             self._follow(others[0], now_s)
         elif not self._pipeline.may_follow_others:

@@ -10,8 +10,8 @@ import pytest
 
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.commands.flags.marker_choice import SHOW_IT
-from ashe_live.tracking.families.instead import TOO_BRIGHT, TOO_DARK
 from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.families.seen_instead import ALL_BLACK, ALL_WHITE
 from tests.shipped_scenes import FOLDER
 
 pytestmark = pytest.mark.usefixtures("instant")
@@ -107,8 +107,8 @@ def test_the_reason_in_json_is_that_of_the_line(run, photo):
     usual, other = (), ("--marker", "aruco:4x4_50:3")
     for picture, said, choices in (
         (seven[:, ::-1], "in mirror image", (usual, other)),
-        (np.zeros_like(seven), TOO_DARK, (usual, other)),
-        (np.full_like(seven, 255), TOO_BRIGHT, (usual, other)),
+        (np.zeros_like(seven), ALL_BLACK, (usual, other)),
+        (np.full_like(seven, 255), ALL_WHITE, (usual, other)),
         (np.full_like(seven, 128), SHOW_IT, (usual, other)),
         (seven, "aruco:4x4_50:7 is in view", (other,)),
     ):

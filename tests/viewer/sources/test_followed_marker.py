@@ -8,7 +8,7 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.models.catalogue import ChosenModel
-from ashe_live.tracking.families.instead import Instead
+from ashe_live.tracking.families.seen_instead import SeenInstead
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.followed_marker import FIELDS_OF_VIEW_DEG, FollowedMarker
@@ -46,10 +46,10 @@ def make(fakes, monkeypatch: pytest.MonkeyPatch):
         stage.session = Session(shelf, fakes.Worker(), FirstEstimate(), others=others)
 
         def look(hunt: MarkerHunt, tracked: TrackedFrame | None, _now_s: float) -> bool:
-            before = hunt.instead.in_view
-            hunt.instead = Instead(() if tracked is None or tracked.marker is not None else stage.finds)
+            before = hunt.seen_instead.in_view
+            hunt.seen_instead = SeenInstead(() if tracked is None or tracked.marker is not None else stage.finds)
             hunt._answer, hunt._is_asked = (stage.finds if hunt._is_asked else None), False
-            return bool(hunt.instead.in_view) and hunt.instead.in_view != before
+            return bool(hunt.seen_instead.in_view) and hunt.seen_instead.in_view != before
 
         monkeypatch.setattr(MarkerHunt, "look", look)
         stage.followed = FollowedMarker(
@@ -70,7 +70,7 @@ def test_the_only_one_in_view_is_followed_where_nobody_named_any(make, fakes, ta
     stage.finds = (ZERO, SEVEN)  # the one that is followed may be seen before it is tracked
     stage.session.take(fakes.tracked(0, has_marker=False), 0.0)
     stage.followed.look(0.0)
-    assert stage.session.instead.in_view == (ZERO, SEVEN)
+    assert stage.session.seen_instead.in_view == (ZERO, SEVEN)
     assert stage.pipeline.followed == ([SEVEN] if takes_any_marker else [])
     assert stage.session.arrangement.followed == stage.pipeline.marker
     assert len(stage.announced) == takes_any_marker
@@ -87,7 +87,7 @@ def test_of_several_none_is_followed_unasked(make, fakes):
     stage.finds = (SEVEN, TAG)
     stage.session.take(fakes.tracked(0, has_marker=False), 0.0)
     stage.followed.look(0.0)
-    assert stage.session.instead.in_view == (SEVEN, TAG)
+    assert stage.session.seen_instead.in_view == (SEVEN, TAG)
     assert stage.pipeline.followed == []
 
 
@@ -107,7 +107,7 @@ def test_once_the_marker_was_seen_no_other_takes_its_place_unasked(make, fakes):
     stage.followed.look(0.0)
     stage.session.take(fakes.tracked(1, has_marker=False), 0.1)
     stage.followed.look(0.1)
-    assert stage.session.instead.in_view == (SEVEN,)
+    assert stage.session.seen_instead.in_view == (SEVEN,)
     assert stage.pipeline.followed == []
     stage.followed.follow_other(0.2)
     assert stage.pipeline.followed == [SEVEN]

@@ -7,8 +7,8 @@ import numpy as np
 from ashe_live.core.arrays import Image
 from ashe_live.tracking.families.in_view import markers_in_view, mirrored_in_view
 
-TOO_DARK = "nearly all of the picture is black: more light, a longer exposure, or the cover off the camera"
-TOO_BRIGHT = "nearly all of the picture is plain white: a shorter exposure"
+ALL_BLACK = "nearly all of the picture is black: more light, a longer exposure, or the cover off the camera"
+ALL_WHITE = "nearly all of the picture is plain white: a shorter exposure"
 
 # Values of the brightest channel, 0 to 255. Darker than BLACK, a codec leaves little of a marker's edges; from WHITE
 # on, the camera's response curve is saturated.
@@ -18,24 +18,24 @@ STEP_PX = 8  # every so many rows and columns are looked at
 
 
 @dataclass(frozen=True, slots=True)
-class Instead:
-    """At most one of these says something."""
+class SeenInstead:
+    """What is seen instead of the followed marker: at most one of these is not empty."""
 
     in_view: tuple[str, ...] = ()  # specs of other markers, the largest first
     mirrored: tuple[str, ...] = ()  # specs of markers that are seen in mirror image
     fault: str | None = None  # what is wrong with the exposure, and what helps
 
 
-def shown_instead(image_bgr: Image) -> Instead:
+def seen_instead(image_bgr: Image) -> SeenInstead:
     """What (h, w, 3) uint8 sRGB shows instead of the marker that was not found in it."""
     in_view = markers_in_view(image_bgr)
     mirrored = () if in_view else mirrored_in_view(image_bgr)
-    return Instead(in_view, mirrored, None if in_view or mirrored else fault_of_exposure(image_bgr))
+    return SeenInstead(in_view, mirrored, None if in_view or mirrored else extreme_exposure(image_bgr))
 
 
-def fault_of_exposure(image_bgr: Image) -> str | None:
-    """Why no marker can be seen in (h, w, 3) uint8 sRGB: it is too dark, or too bright; None if it is neither."""
+def extreme_exposure(image_bgr: Image) -> str | None:
+    """ALL_BLACK or ALL_WHITE, if (h, w, 3) uint8 sRGB is nearly that, so that no marker can be seen in it; else None."""
     brightest = image_bgr[::STEP_PX, ::STEP_PX].max(axis=-1)
     if np.mean(brightest < BLACK) > NEARLY_ALL:
-        return TOO_DARK
-    return TOO_BRIGHT if np.mean(brightest >= WHITE) > NEARLY_ALL else None
+        return ALL_BLACK
+    return ALL_WHITE if np.mean(brightest >= WHITE) > NEARLY_ALL else None

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Image
-from ashe_live.tracking.families.instead import TOO_BRIGHT, TOO_DARK, Instead, shown_instead
 from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.families.seen_instead import ALL_BLACK, ALL_WHITE, SeenInstead, seen_instead
 
 SEVEN = "aruco:4x4_50:7"
 
@@ -29,18 +29,18 @@ def exposed(picture: Image, times: float) -> Image:
 def test_a_marker_comes_before_the_exposure(table: Image) -> None:
     """It is read at a tenth of its brightness, and is in the way of no one where all around it is black."""
     for times in (1.0, 0.12):
-        assert shown_instead(exposed(table, times)) == Instead((SEVEN,))
+        assert seen_instead(exposed(table, times)) == SeenInstead((SEVEN,))
     spotlit = np.zeros_like(table)
     spotlit[150:330, 230:410] = table[150:330, 230:410]
-    assert shown_instead(spotlit) == Instead((SEVEN,))
+    assert seen_instead(spotlit) == SeenInstead((SEVEN,))
     mirrored = np.ascontiguousarray(spotlit[:, ::-1])
-    assert shown_instead(mirrored) == Instead(mirrored=(SEVEN,))
+    assert seen_instead(mirrored) == SeenInstead(mirrored=(SEVEN,))
 
 
 def test_where_no_marker_can_be_seen_for_it_the_exposure_is_named(table: Image) -> None:
-    assert shown_instead(exposed(table, 0.01)) == Instead(fault=TOO_DARK)
+    assert seen_instead(exposed(table, 0.01)) == SeenInstead(fault=ALL_BLACK)
     table[table < 100] = 100  # as veiling glare does with ink
-    assert shown_instead(exposed(table, 3.0)) == Instead(fault=TOO_BRIGHT)
+    assert seen_instead(exposed(table, 3.0)) == SeenInstead(fault=ALL_WHITE)
 
 
 def test_a_picture_of_other_things_is_neither_black_nor_white(table: Image) -> None:
@@ -50,4 +50,4 @@ def test_a_picture_of_other_things_is_neither_black_nor_white(table: Image) -> N
     half[:240] = 255
     half[240:400] = 0
     for picture in (bare, half):
-        assert shown_instead(picture) == Instead()
+        assert seen_instead(picture) == SeenInstead()
