@@ -31,8 +31,8 @@ class MeasuredPicture:
 class MeasuredLight:
     """A second light that was tried, and lowers the unary costs enough."""
 
-    signal_to_noise: float  # of its shadow
-    clarity: float  # of its shadow's borders
+    signal_to_noise: float  # of its shadow, as ShadowCandidate has it
+    clarity: float  # mean, of its shadow's borders, 0 to 1
     is_right: bool
 
 

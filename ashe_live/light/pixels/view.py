@@ -28,7 +28,8 @@ FARTHEST = 4.0
 # rotations are off by five times the noise in the median.
 OVER_NOISE = 5.0
 ALL_SHOWN = 1 - 1e-4  # share of a pixel that the lens shows, but for rounding
-# Of all values of a row or column beside the picture, which a codec leaves nearly black, and of no row with a picture.
+# Grey levels, 0 to 255: all of a row or column that belongs to a black bar are below it, as a codec leaves bars nearly
+# black, and not all of one that belongs to a picture.
 BAR = 16
 BLENDED_PX = 2  # rows or columns beside a bar that scaling and a codec mix with it
 

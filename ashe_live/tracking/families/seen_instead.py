@@ -34,7 +34,7 @@ def seen_instead(image_bgr: Image) -> SeenInstead:
 
 
 def extreme_exposure(image_bgr: Image) -> str | None:
-    """ALL_BLACK or ALL_WHITE, if (h, w, 3) uint8 sRGB is nearly that, so that no marker can be seen in it; else None."""
+    """ALL_BLACK or ALL_WHITE if (h, w, 3) uint8 sRGB is nearly that, so that it can show no marker; else None."""
     brightest = image_bgr[::STEP_PX, ::STEP_PX].max(axis=-1)
     if np.mean(brightest < BLACK) > NEARLY_ALL:
         return ALL_BLACK

@@ -17,6 +17,7 @@ from ashe_live.files.resources import resource
 from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.lamps.sources import with_fall_off
+from tests.bench.painted_case import painted_case
 from tests.light.painted_scenes import BOX, paint
 
 
@@ -46,26 +47,9 @@ WITHIN_99 = 9.2  # squared Mahalanobis distance in two dimensions
 @pytest.fixture(scope="module")
 def lamp_case(tmp_path_factory: pytest.TempPathFactory) -> Case:
     """A box under a painted lamp, with its true masks."""
-    folder = tmp_path_factory.mktemp("lamp")
     scene = paint(BOX, lamp_m=LAMP_M)
-    pictures = {"picture": scene.tracked.frame.image_bgr, "object": 255 * scene.body, "shadow": 255 * scene.shadow}
-    for name, picture in pictures.items():
-        cv2.imwrite(str(folder / f"{name}.png"), picture.astype(np.uint8))
-    assert scene.tracked.camera is not None
-    assert scene.tracked.marker is not None
-    return Case(
-        id="lamp",
-        folder="lamps",
-        category="scene",
-        caster="box",
-        image_path=folder / "picture.png",
-        camera=scene.tracked.camera,
-        marker=scene.tracked.marker,
-        to_lights_marker=(LAMP_M / np.linalg.norm(LAMP_M))[None],
-        mask_paths={name: folder / f"{name}.png" for name in ("object", "shadow")},
-        lamp_m=LAMP_M,
-        foot_m=np.array(BOX.at),
-    )
+    to_lamp = LAMP_M / np.linalg.norm(LAMP_M)
+    return painted_case(tmp_path_factory.mktemp("lamp"), scene, to_lamp[None], lamp_m=LAMP_M, foot_m=np.array(BOX.at))
 
 
 def test_a_lamps_nearness_is_estimated_by_the_fall_of_light(lamp_case: Case) -> None:
@@ -116,7 +100,7 @@ def test_pictures_of_the_same_name_in_several_sets_all_count(
 ) -> None:
     monkeypatch.setattr(cases, "read_cases", lambda folder: [replace(lamp_case, folder=folder.name)])
     record = LampBench([tmp_path / name for name in ("one", "two", "three")]).run()
-    assert record["lamps"].keys() == {"one/lamp", "two/lamp", "three/lamp"}
+    assert record["lamps"].keys() == {"one/painted", "two/painted", "three/painted"}
 
 
 def test_a_set_without_lamps_gets_a_line() -> None:

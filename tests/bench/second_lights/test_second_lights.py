@@ -1,11 +1,9 @@
 """`ashe-live bench fit-seconds`: which second lights count as right, and the threshold that tells them from others."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 
@@ -17,30 +15,10 @@ from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
 from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.explanation.judgement.judge import fitted_judge
-from tests.light.painted_scenes import CYLINDER, OtherLight, Painted, paint
+from tests.bench.painted_case import painted_case
+from tests.light.painted_scenes import CYLINDER, OtherLight, paint
 
 STRONG = OtherLight(80.0, 45.0, (0.12, 0.2, 0.3))
-MakeCase = Callable[..., Case]
-
-
-@pytest.fixture
-def case_of(tmp_path: Path) -> MakeCase:
-    def case_of(scene: Painted, *to_lights: np.ndarray) -> Case:
-        cv2.imwrite(str(tmp_path / "picture.png"), scene.tracked.frame.image_bgr)
-        assert scene.tracked.marker is not None
-        return Case(
-            id="painted",
-            folder="scenes",
-            category="scene",
-            caster="cylinder",
-            image_path=tmp_path / "picture.png",
-            camera=scene.tracked.camera,
-            marker=scene.tracked.marker,
-            to_lights_marker=np.array(to_lights).reshape(-1, 3),
-            mask_paths={},
-        )
-
-    return case_of
 
 
 def tried_in(case: Case) -> list[MeasuredLight]:
@@ -51,9 +29,9 @@ def tried_in(case: Case) -> list[MeasuredLight]:
     return list(measured.tried)
 
 
-def test_a_second_light_is_right_where_it_and_the_first_are_the_true_ones(case_of: MakeCase) -> None:
+def test_a_second_light_is_right_where_it_and_the_first_are_the_true_ones(tmp_path: Path) -> None:
     scene = paint(CYLINDER, other=STRONG)
-    case = case_of(scene, scene.to_light, STRONG.to_light)
+    case = painted_case(tmp_path, scene, np.array([scene.to_light, STRONG.to_light]))
     assert any(each.is_right and each.clarity > 0.5 and each.signal_to_noise > 20 for each in tried_in(case))
     # Of the same picture, were the second light elsewhere, or none.
     for truths in ([scene.to_light, [0.0, 0.0, 1.0]], [scene.to_light]):
@@ -62,10 +40,10 @@ def test_a_second_light_is_right_where_it_and_the_first_are_the_true_ones(case_o
         assert not any(each.is_right for each in other)
 
 
-def test_where_no_first_light_is_right_nothing_is_measured(case_of: MakeCase) -> None:
+def test_where_no_first_light_is_right_nothing_is_measured(tmp_path: Path) -> None:
     scene = paint(CYLINDER)
-    for truths in ((), (-scene.to_light,), (scene.to_light,) * 3):
-        assert measured_picture(case_of(scene, *truths), BALANCED, fitted_judge()) is None
+    for truths in (np.zeros((0, 3)), -scene.to_light[None], np.array([scene.to_light] * 3)):
+        assert measured_picture(painted_case(tmp_path, scene, truths), BALANCED, fitted_judge()) is None
 
 
 def pictures(right: list[float], wrong: list[float]) -> list[MeasuredPicture]:
@@ -90,10 +68,10 @@ def test_the_fitted_threshold_is_where_wrong_ones_become_as_dense_as_right_ones(
 
 
 def test_the_bench_prints_both_thresholds(
-    case_of: MakeCase, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     scene = paint(CYLINDER, other=STRONG)
-    two = case_of(scene, scene.to_light, STRONG.to_light)
+    two = painted_case(tmp_path, scene, np.array([scene.to_light, STRONG.to_light]))
     several = [two, replace(two, id="one", to_lights_marker=scene.to_light[None])]
     monkeypatch.setattr(cases, "read_cases", lambda _: several)
     record = SecondLightsBench([tmp_path]).run()

@@ -8,7 +8,7 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import linear_from_srgb
-from ashe_live.core.light import Illumination
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.transforms import direction_from_angles
 from ashe_live.models.material import Material
 from ashe_live.models.mesh import Mesh
@@ -34,7 +34,7 @@ def _ball(roughness: float) -> Mesh:
     return Mesh(normals * RADIUS_M + CENTRE.astype(np.float32), normals, triangles, material=metal)
 
 
-def _traced(normal: Float, eye: Float, to_sun: Float, alpha: float) -> tuple[float, float]:
+def _traced(normal: Float, eye: Float, light: Light, alpha: float) -> tuple[float, float]:
     """What the ball mirrors of the ground, over lit ground, and the share of its lobe that is sky, by tracing rays.
 
     GGX's facets are drawn by density times cosine, and weighted by how they hide one another (Walter et al. 2007).
@@ -55,28 +55,32 @@ def _traced(normal: Float, eye: Float, to_sun: Float, alpha: float) -> tuple[flo
     is_ground = rays[:, 2] < 0
     meets = point + rays * (-point[2] / np.where(is_ground, rays[:, 2], -np.inf))[:, None]
     to_centre = CENTRE - meets
-    misses2 = (to_centre**2).sum(axis=1) - (to_centre @ to_sun) ** 2
-    light = np.where(misses2 < RADIUS_M**2, LEFT, 1.0) * is_ground
-    return float((weights * light).sum() / weights.sum()), float(weights[~is_ground].sum() / weights.sum())
+    to_light = light.to_light_marker - light.inverse_distance * meets  # a sun's is the same everywhere
+    to_light /= np.linalg.norm(to_light, axis=1, keepdims=True)
+    misses2 = (to_centre**2).sum(axis=1) - (to_centre * to_light).sum(axis=1) ** 2
+    lit = np.where(misses2 < RADIUS_M**2, LEFT, 1.0) * is_ground
+    return float((weights * lit).sum() / weights.sum()), float(weights[~is_ground].sum() / weights.sum())
 
 
-@pytest.mark.parametrize("roughness", [0.1, 0.2, 0.3, 0.4, 0.6])
+@pytest.mark.parametrize(
+    ("roughness", "inverse_distance"), [*((each, 0.0) for each in (0.1, 0.2, 0.3, 0.4, 0.6)), (0.2, 2.0), (0.4, 2.0)]
+)
 def test_metal_mirrors_its_shadow_as_wide_and_as_dark_as_its_lobe_meets_it(
-    make_renderer, stage, roughness: float
+    make_renderer, stage, roughness: float, inverse_distance: float
 ) -> None:
-    """The sun is behind the ball, so that the shadow lies before it and no highlight is seen."""
+    """The sun or lamp is behind the ball, so that the shadow lies before it and no highlight is seen."""
     tracked = stage.tracked(GREY, stage.pose(-90, 30, 0.25))
-    sun = stage.light(70, 45, (LEFT,) * 3)
+    light = replace(stage.light(70, 45, (LEFT,) * 3), inverse_distance=inverse_distance)
     T = tracked.marker.T_cam_marker
     eye = -T[:3, :3].T @ T[:3, 3]
-    scene = Scene(tracked, stage.placed(_ball(roughness)), Illumination((sun,), seen_in=tracked))
+    scene = Scene(tracked, stage.placed(_ball(roughness)), Illumination((light,), seen_in=tracked))
     picture = stage.picture(make_renderer(BALANCED.render), scene)
     errors = []
     for below_deg in range(5, 60, 5):
         for azimuth_deg in range(-120, -59, 15):
             normal = direction_from_angles(math.radians(azimuth_deg), math.radians(-below_deg))
             point = CENTRE + RADIUS_M * normal
-            expected, of_sky = _traced(normal, eye, sun.to_light_marker, roughness**2)
+            expected, of_sky = _traced(normal, eye, light, roughness**2)
             # Outlines are left out, and what the sky brightens.
             if normal @ (eye - point) < 0.25 * np.linalg.norm(eye - point) or of_sky > 0.1:
                 continue

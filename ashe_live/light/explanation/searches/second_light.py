@@ -41,7 +41,7 @@ class TriedLight:
 
     @property
     def clarity(self) -> float:
-        """The mean of its shadow's borders."""
+        """Mean clarity of its shadow's borders, 0 to 1 (docs/maths, (18))."""
         return float(self.both.alignment.clear_shadows[self.number])
 
     def gain(self) -> float:
@@ -51,6 +51,7 @@ class TriedLight:
         return alone - self.costs.of(fitted)
 
     def is_accepted(self) -> bool:
+        """Whether both are enough: LEAST_CLARITY, LEAST_GAIN."""
         return self.clarity >= LEAST_CLARITY and self.gain() > LEAST_GAIN
 
 

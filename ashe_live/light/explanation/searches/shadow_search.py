@@ -51,7 +51,7 @@ class ShadowCandidate:
     light: Float  # (4,) homogeneous point at infinity, marker frame, with z = 1
     area: Mask  # (h, w) its visible part in the coarse picture, outside of the body and of known shadows
     shift: Float  # (3,) the shift of the ground's colours in it, log-opponent
-    signal_to_noise: float
+    signal_to_noise: float  # at the place of the coarse grid by which it was found
 
     def region(self, lit: LitBody, view: SceneView, region_px: int) -> Region:
         """The part of the view that holds the candidate and the body with its shadows, scaled to `region_px`."""
@@ -68,7 +68,7 @@ def shadow_candidates(
 ) -> list[ShadowCandidate]:
     """Up to `count` candidates for a shadow of a body beside those in known lights, by falling signal-to-noise ratio.
 
-    The signal is a candidate's difference from the ground around it. Where a light is known, the noise is the
+    That is at least `least_signal_to_noise` on the coarse grid. The signal is a candidate's difference from the ground around it. Where a light is known, the noise is the
     unevenness of lit ground, or a candidate's own where that is larger, as in parts of other things; else that of all
     ground, as a shadow that stands out nowhere lies on a pattern. Candidates without a shadow's colours are left out.
     known_lights: (l, 4) homogeneous points, marker frame; (0, 4) where none is known. coarse: the view that `ground`
