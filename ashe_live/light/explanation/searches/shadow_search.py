@@ -68,9 +68,10 @@ def shadow_candidates(
 ) -> list[ShadowCandidate]:
     """Up to `count` candidates for a shadow of a body beside those in known lights, by falling signal-to-noise ratio.
 
-    That is at least `least_signal_to_noise` on the coarse grid. The signal is a candidate's difference from the ground around it. Where a light is known, the noise is the
-    unevenness of lit ground, or a candidate's own where that is larger, as in parts of other things; else that of all
-    ground, as a shadow that stands out nowhere lies on a pattern. Candidates without a shadow's colours are left out.
+    That is at least `least_signal_to_noise` on the coarse grid. The signal is a candidate's difference from the ground
+    around it. Where a light is known, the noise is the unevenness of lit ground, or a candidate's own where that is
+    larger, as in parts of other things; else that of all ground, as a shadow that stands out nowhere lies on a pattern.
+    Candidates without a shadow's colours are left out.
     known_lights: (l, 4) homogeneous points, marker frame; (0, 4) where none is known. coarse: the view that `ground`
     was fitted to.
     """
