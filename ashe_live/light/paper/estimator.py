@@ -117,9 +117,5 @@ def _to_light(
     """(3,) towards the light, marker frame; None where the ray through the shadow's centre misses the ground."""
     centres_px = np.array([masks.centre_of_mass(object_mask), masks.centre_of_mass(shadow_mask)])
     object_px, shadow_px = geometry.undistorted(camera, centres_px)
-    scale = geometry.real_to_virtual_scale(_polygon_area(cube_hull), float(object_mask.sum()))
+    scale = geometry.real_to_virtual_scale(cv2.contourArea(cube_hull.astype(np.float32)), float(object_mask.sum()))
     return geometry.to_light_from_centres(camera, marker.T_cam_marker, marker.side_m, object_px, shadow_px, scale)
-
-
-def _polygon_area(hull_px: Float) -> float:
-    return float(cv2.contourArea(hull_px.astype(np.float32)))

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, lowest_on_parabola
+from ashe_live.core.arrays import SIGMA_OVER_MAD, Float, Float32, lowest_on_parabola
 from ashe_live.core.light import Illumination
 from ashe_live.core.transforms import inverse_rigid, pixels_by_pose, raycast_to_plane, rigid
 from ashe_live.core.types import TrackedFrame
@@ -127,7 +127,7 @@ def _misfits(one: _Textured, other: _Textured, heights_m: Float) -> Float:
     if np.count_nonzero(both) < LEAST_PIXELS:
         return np.zeros(len(heights_m))
     away = np.abs(np.array([each[both] for each in differences]))
-    scale = 2 * max(float(np.median(away, axis=1).min()) / 0.6745, LEAST_NOISE)
+    scale = 2 * max(SIGMA_OVER_MAD * float(np.median(away, axis=1).min()), LEAST_NOISE)
     return np.asarray(np.log1p((away / scale) ** 2).sum(axis=1, dtype=np.float64) / PIXELS_PER_SAMPLE)
 
 

@@ -28,7 +28,7 @@ def usable(tracked: TrackedFrame, others: Sequence[TrackedFrame], most: int) -> 
     left = [(other, towards) for other, towards in several if towards[2] > LEAST_HEIGHT]
     chosen: list[TrackedFrame] = []
     while left and len(chosen) < most:
-        aside = [min(math.acos(min(float(towards @ one), 1.0)) for one in directions) for _, towards in left]
+        aside = [min(math.acos(max(-1.0, min(float(towards @ one), 1.0))) for one in directions) for _, towards in left]
         if max(aside) < LEAST_ANGLE_RAD:
             break
         other, towards = left.pop(int(np.argmax(np.array(aside) >= AS_FAR * max(aside))))

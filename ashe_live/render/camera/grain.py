@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Image
+from ashe_live.core.arrays import SIGMA_OVER_MAD, Image
 
 NoiseLevels = tuple[float, float, float, float]
 SILENT: NoiseLevels = (0.0, 0.0, 0.0, 0.0)
@@ -35,7 +35,7 @@ def noise_levels(grey: Image) -> NoiseLevels:
     if not most:
         return SILENT
     populated = [each for each in range(LEVELS) if ranges[each].size >= min(FEWEST_PX, most)]
-    sigmas = {each: float(np.median(ranges[each])) / (0.6745 * 6 * 255) for each in populated}
+    sigmas = {each: SIGMA_OVER_MAD * float(np.median(ranges[each])) / (6 * 255) for each in populated}
     dark, dim, light, bright = (sigmas[min(populated, key=lambda each: abs(each - wanted))] for wanted in range(LEVELS))
     return dark, dim, light, bright
 

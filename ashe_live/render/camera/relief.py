@@ -9,7 +9,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.arrays import SIGMA_OVER_MAD, Float, Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
@@ -24,7 +24,6 @@ DARKEST = 1e-5  # least value added
 AROUND = 0.1  # the shadow is compared with lit ground within this distance of it, over the picture's width
 SHEET = 2.0  # assumed side of the marker's sheet, over that of its square
 LEAST_SHARE = 0.001  # least share of the picture over which contrast is measured
-MAD_OF_SIGMA = 0.6745  # median of the absolute deviations of a normal distribution of standard deviation 1
 SPLINE = np.array([1.0, 4.0, 1.0]) / 6  # of a cubic B-spline, at the middles of the squares that it weights
 SKY_SHARES = 0.01, 0.99  # limits of the sky's share: (2a) of docs/rendering/shadows.md has no value at 0 and 1
 MOST_SIGMAS = 3.0  # deviations beyond this multiple of the contrast in the light are paint, not relief
@@ -101,7 +100,7 @@ def _contrast(brightness: Float, where: Mask, square_px: float) -> float:
     sums, counts = (
         _smoothed(values, square_px) for values in (np.where(where, logarithm, 0.0), where.astype(np.float64))
     )
-    return float(np.median(np.abs(logarithm[where] - sums[where] / counts[where]))) / MAD_OF_SIGMA
+    return SIGMA_OVER_MAD * float(np.median(np.abs(logarithm[where] - sums[where] / counts[where])))
 
 
 def _smoothed(values: Float, square_px: float) -> Float:

@@ -14,7 +14,7 @@ from ashe_live.core.arrays import Float, Float32, Mask, cross_2d, unit_circle
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, image_from_plane
 from ashe_live.light.explanation.scene_view import SceneView
-from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.lit_ground import UNLIT_DISTANCE, LitGround
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import shift_near
 from ashe_live.light.pixels.areas import grown, mean_nearby
@@ -37,7 +37,6 @@ AROUND = 8  # points on a body's rings
 BESIDE_PX, LEAST_PX = 2, 25
 SPARSE, LEAST_VARIANCE = 5, 1e-4  # the noise is measured at one pixel in so many; added to its variances
 DARKEST, BRIGHTEST = -0.8, 0.5  # clip of a pixel's log-opponent difference from its surroundings, against outliers
-LIT = 6.0  # largest squared distance of a lit pixel's colour from the ground's palette
 SURROUNDINGS = 2.0  # radius of the surroundings, in units of the body's size
 LEAST_DARKENING, LEAST_SIGNAL_TO_NOISE = 0.07, 20.0
 APART_RAD = math.radians(12)
@@ -77,7 +76,7 @@ def shadow_candidates(
     """
     known = predicted(proxy, known_lights, coarse)
     free = coarse.is_ground & ~grown(known.whole, BESIDE_PX)
-    is_lit = free & (ground.squared_distance < LIT)
+    is_lit = free & (ground.squared_distance <= UNLIT_DISTANCE)
     if np.count_nonzero(is_lit) < LEAST_PX:
         return []
     uneven = _unevenness(ground, is_lit, SURROUNDINGS * math.sqrt(known.body.sum()))

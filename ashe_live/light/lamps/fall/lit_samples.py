@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import SIGMA_OVER_MAD, Float, Mask, median
 from ashe_live.core.transforms import image_from_plane
-from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.lit_ground import UNLIT_DISTANCE, LitGround
 from ashe_live.light.ground.surfaces import areas_of, surfaces
 from ashe_live.light.pixels.areas import grown, sampled
 from ashe_live.light.pixels.log_colour import is_exposed, log_opponent
@@ -24,7 +24,6 @@ from ashe_live.light.pixels.view import View
 
 BESIDE_PX = 4  # of the coarse picture: ground nearer than this to an object or a shadow is not lit as the rest
 AROUND_PX = 7  # side of the squares of which half has to be lit: what is narrower than half joins no two areas
-LIT = 6.0  # largest squared distance of a lit pixel's colour from the ground's palette
 SAMPLES, FEWEST = 1500, 300  # pixels of lit ground that are used, at most and at least
 CELLS = (12, 9)  # in which samples' errors may be correlated: texture is larger than a pixel
 # Sigmas of what is fitted along: vignetting at the picture's corner (of log brightness), the ground's own unevenness as
@@ -55,7 +54,7 @@ class LitSamples:
         """
         exposed = is_exposed(view.image_bgr)
         seen = free & view.is_ground
-        is_lit = seen & (ground.squared_distance < LIT)
+        is_lit = seen & (ground.squared_distance <= UNLIT_DISTANCE)
         parts = surfaces(view.image_bgr, seen) if ground.divided else areas_of(_mostly(is_lit), is_lit)
         chosen = sampled((parts > 0) & exposed & is_lit, SAMPLES)
         if len(chosen) < FEWEST:
