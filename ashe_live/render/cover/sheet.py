@@ -16,6 +16,8 @@ MOST_HALF_SIDES = 2.3  # from the marker's middle; the corners of an A4 page wit
 PAGE_HALF_SIDES = 1.0  # what reaches farther is a page, whose unseen end may be anywhere
 RING_SIDES = (0.55, 0.6)  # distances from the marker's middle between which there is paper
 SAME_LOG = 0.35  # largest difference of paper from that ring, in logarithms of linear RGB
+# Largest difference between the mean logarithms of opposite sides' paper, along x and along y, in even light.
+UNEVEN_LOG = 0.05
 CONVEX = 0.85  # least share of its convex hull that a sheet fills
 # If ground of the colour of paper touches the sheet, each side is sought by itself, along lines that begin within
 # ALONG_SIDES of its middle: paper ends where it differs by OTHER_LOG (a logarithm) over LASTING_SIDES, along a straight
@@ -46,14 +48,11 @@ def sheet_of(lit: Float32, is_ground: Mask, side_px: float) -> SheetMasks:
     is_ground: (n, n) seen, lit alike. side_px: the marker's side; the marker is in the middle. Where the paper cannot
     be told from the ground, it is a rectangle, or the square with a margin if none of its sides is seen.
     """
-    size = len(lit)
-    x, y = np.meshgrid(*[np.abs(np.arange(size) + 0.5 - size / 2) / side_px] * 2)
-    away = np.maximum(x, y)
+    x, y = _places(len(lit), side_px)
+    away = np.maximum(np.abs(x), np.abs(y))
     least = away < LEAST_HALF_SIDES
     ring = (away > RING_SIDES[0]) & (away < RING_SIDES[1])
-    paper = np.median(lit[ring], axis=0)
-    logs = np.log(np.maximum(lit, 1e-3)) - np.log(np.maximum(paper, 1e-3))
-    unlike = np.abs(logs).max(axis=2)
+    unlike = np.abs(_from_paper(lit, x, y)).max(axis=2)
     alike = (unlike < SAME_LOG) & (away < MOST_HALF_SIDES) | least
     opened = cv2.morphologyEx(alike.astype(np.uint8), cv2.MORPH_OPEN, np.ones((2, 2)))
     paper_there = _joined(cv2.morphologyEx(opened, cv2.MORPH_CLOSE, _disc(LINE_SIDES * side_px)) > 0, least)
@@ -66,6 +65,32 @@ def sheet_of(lit: Float32, is_ground: Mask, side_px: float) -> SheetMasks:
             surroundings = cv2.erode(paper_there.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0
     brightness = lit @ REC709_LUMINANCE.astype(np.float32)
     return SheetMasks(_with_own_shadow(sheet, brightness, is_ground, side_px), surroundings)
+
+
+def _places(size: int, side_px: float) -> tuple[Float32, Float32]:
+    """(n, n) x and y in sides of the marker."""
+    steps = ((np.arange(size) + 0.5 - size / 2) / side_px).astype(np.float32)
+    x, y = np.meshgrid(steps, -steps)
+    return x, y
+
+
+def _from_paper(lit: Float32, x: Float32, y: Float32) -> Float32:
+    """(n, n, 3) logarithm of light over that of the paper beside the square, whose change from side to side goes on.
+
+    So the fall of a lamp's light, by which ground is unlike paper farther away, ends no sheet.
+    """
+    logs = np.log(np.maximum(lit, 1e-3))
+    near, far = RING_SIDES
+    right, left, above, below = (
+        np.median(logs[(near < ahead) & (ahead < far) & (np.abs(aside) < far)], axis=0)
+        for ahead, aside in ((x, y), (-x, y), (y, x), (-y, x))
+    )
+    # What changes evenly has the same mean along both axes; a shadow on one side has not.
+    if np.abs(right + left - above - below).max() < UNEVEN_LOG:
+        across, up = (np.clip(z, -1, 1)[..., None] / (near + far) for z in (x, y))
+        logs = logs - across * (right - left) - up * (above - below)
+    away = np.maximum(np.abs(x), np.abs(y))
+    return np.asarray(logs - np.median(logs[(near < away) & (away < far)], axis=0), np.float32)
 
 
 def _with_own_shadow(sheet: Mask, brightness: Float32, is_ground: Mask, side_px: float) -> Mask:

@@ -56,6 +56,24 @@ def test_a_side_of_the_sheet_that_is_not_seen_is_as_far_as_the_others() -> None:
     assert not mask[beside & (X > 0.68 + 0.12)].any()
 
 
+@pytest.mark.parametrize("slope", [(0.0, 0.3), (-0.25, 0.2)])
+def test_where_the_light_falls_off_over_it_a_sheet_on_ground_like_paper_ends_at_its_edges(
+    slope: tuple[float, float],
+) -> None:
+    """By a lamp, paper far from it is darker than ground near it: that is no reason to take it all for a page."""
+    light = np.exp(slope[0] * X + slope[1] * Y).astype(np.float32)[..., None]
+    found = sheet_of(_plane(0.7) * light, GROUND, SIDE_PX)
+    assert found.mask[PAPER].all()
+    assert not found.mask[np.maximum(np.abs(X), np.abs(Y)) > 0.68 + 0.15].any()
+    assert found.surroundings.all()
+
+
+def test_a_shadow_along_one_side_is_no_slope_of_the_light() -> None:
+    plane = _plane(0.3)
+    plane[Y > 0.4] *= 0.4
+    assert sheet_of(plane, GROUND, SIDE_PX).mask[PAPER & (Y < 0.4)].all()
+
+
 @pytest.mark.parametrize("others", [1.05, 1.2, 2.1])
 def test_of_a_page_that_goes_on_beyond_reach_the_marker_alone_is_covered(others: float) -> None:
     """Else its other end would stay, and end in the middle of nothing."""
