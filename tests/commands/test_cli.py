@@ -45,7 +45,7 @@ COMMANDS = (
         (["estimate", "a.jpg", "--views", "1" + 400 * "0"], "is not a whole number from 1 to 12"),
         (["play"], "FILE"),
         (["play", "a.mp4", "--wings"], "--wings (see ashe-live play --help)"),
-        (["play", "a.mp4", "b.mp4"], "unrecognized arguments: b.mp4 (see"),
+        (["play", "a.jpg", "b.jpg", "c.jpg"], "one FILE is shown, and 3 are given: ashe-live estimate takes several"),
         (["webcam", "1"], "unrecognized arguments: 1: did you mean --camera 1?"),
         (["play", "a.mp4", "mug.glb"], "did you mean --model mug.glb?"),
         (["marker", "--out", "m.pdf", "--id", "5"], "unrecognized arguments: --id 5 (see ashe-live marker --help)"),

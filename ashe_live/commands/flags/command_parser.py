@@ -46,6 +46,8 @@ class CommandParser(argparse.ArgumentParser):
         elif left:  # here, where it is known of which command
             names = (word.partition("=")[0] for word in flags if word.startswith("--"))
             near = next((self._near(name, self._option_string_actions) for name in names), self._flag_for(left[0]))
+            if "file" in options and not near and not any(word.startswith("-") for word in left):
+                self.error(f"one FILE is shown, and {1 + len(left)} are given: ashe-live estimate takes several")
             self.error(f"unrecognized arguments: {' '.join(left)}{near}")
         return options, []
 
