@@ -80,14 +80,14 @@ class ModelsOnVideo:
         self.layers.cover.forget()
         self.photometry = Photometry(self._preset)
 
-    def draw(self, surface: Surface, models: StandingGroup, scene: Scene, bends: bool, waits: bool) -> None:
+    def draw(self, surface: Surface, models: StandingGroup, scene: Scene, waits: bool) -> None:
         """Draws onto the video in `surface`; the scene must have a marker.
 
-        `bends`: the picture has the distortion of the camera's lens; else it is that of a pinhole camera. `waits`:
-        for the cover that hides the marker, however long it takes.
+        `waits`: for the cover that hides the marker, however long it takes.
         """
         tracked = scene.tracked
         assert tracked is not None
+        bends = tracked.camera.is_distorted
         lighting = self.photometry.lighting(scene.illumination)
         cover = self._prepared(models, scene, lighting, waits)
         viewport = letterbox(tracked.frame.size, surface.size)

@@ -123,15 +123,14 @@ class SceneRenderer:
             self._surface.colour.clear()
         else:
             viewport = letterbox(scene.tracked.frame.size, self.size)
-            bends = self._preset.matches_lens and scene.tracked.camera.is_distorted
-            self.video.show(scene.tracked, viewport, None if bends else scene.tracked.camera)
+            self.video.show(scene.tracked, viewport)
             if scene.is_cut_out:
                 self._surface.colour.clear()
             else:
                 self.video.copy_or_draw(self._surface.colour, viewport)
             standing = self._models.standing([placement for _, placement in scene.models], scene.time_s)
             if standing is not None and scene.tracked.marker is not None:
-                self._models_on_video.draw(self._surface, standing, scene, bends, waits)
+                self._models_on_video.draw(self._surface, standing, scene, waits)
             if scene.is_mirrored:
                 self._mirror.turn(self._surface.colour)
         self._surface.colour.use()

@@ -17,7 +17,8 @@ from ashe_live.models.primitives import box
 from ashe_live.quality import ACCURATE, BALANCED, FAST
 from ashe_live.render.gl.offscreen import graphics_failures_reported, live_gl_objects
 from ashe_live.render.passes.frame_texture import FrameTexture
-from ashe_live.render.passes.surface import supported_samples
+from ashe_live.render.passes.surface import Surface, supported_samples
+from ashe_live.render.passes.video import Video
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Overlay, Scene
 
@@ -147,7 +148,7 @@ def test_minimised_window_is_survived(make_renderer, stage) -> None:
     assert renderer.size == (1, 1)
 
 
-def test_video_is_freed_of_the_lens_so_that_the_model_fits(make_renderer, stage) -> None:
+def test_the_video_as_a_pinhole_camera_shows_it_is_freed_of_the_lens(ctx, stage) -> None:
     """A dot that the lens put somewhere else is shown where a pinhole camera, and so the model, has it."""
     camera = Camera((480, 360), stage.camera().K, np.array([-0.25, 0.08, 0.002, -0.001, 0.0]), "file")
     T_cam_marker = stage.pose(-90, 40)
@@ -159,8 +160,14 @@ def test_video_is_freed_of_the_lens_so_that_the_model_fits(make_renderer, stage)
     rows, columns = np.mgrid[0:360, 0:480]
     dot = 255 * np.exp(-((columns - bent[0]) ** 2 + (rows - bent[1]) ** 2) / 18)
     image = np.repeat(dot.astype(np.uint8)[..., None], 3, axis=2)
-    renderer = make_renderer(replace(FAST.render, matches_lens=False))
-    shown = stage.picture(renderer, Scene(stage.tracked(image, T_cam_marker, camera)))[..., 0].astype(float)
+    whole = (0, 0, 480, 360)
+    surface, video = Surface(ctx, (480, 360), 0), Video(ctx)
+    video.show(stage.tracked(image, T_cam_marker, camera), whole, camera)
+    video.copy_or_draw(surface.colour, whole)
+    shown = surface.read_bgr()[..., 0].astype(float)
+    ctx.detect_framebuffer(0).use()  # what is bound must not be released
+    for held in (video, surface):
+        held.release()
     centre = np.array([(shown * columns).sum(), (shown * rows).sum()]) / shown.sum()
     np.testing.assert_allclose(centre, straight, atol=0.2)
 

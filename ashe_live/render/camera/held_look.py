@@ -72,7 +72,7 @@ class HeldLook:
         self._measured_in[part] = tracked
         if part is _Part.SHARPNESS and self._preset.matches_blur:
             sigma_px, sharpening = sharpness_of(tracked, self._look.white_rgb)
-            if self._preset.matches_lens and tracked.camera.is_distorted:
+            if tracked.camera.is_distorted:
                 # The composite interpolates then, which blurs as well.
                 sigma_px = math.sqrt(max(0.0, sigma_px**2 - INTERPOLATION_VARIANCE_PX2))
             if not self._knows_chroma_blur(tracked):

@@ -19,7 +19,6 @@ class RenderPreset:
     matches_blur: bool = True  # whether model and shadow are blurred as the video is
     matches_noise: bool = True  # whether they get its noise
     matches_outline: bool = True  # whether they end at the real object's outline in it
-    matches_lens: bool = True  # whether they are bent as its lens bends; False: the lens is taken off the video
 
     def with_samples(self, count: int) -> "RenderPreset":
         """The same with `count` samples a pixel, whatever draws."""
