@@ -142,6 +142,21 @@ def project(camera: Camera, T_cam_marker: Float, points_marker: ArrayLike) -> Fl
     return np.asarray((points_cam / depth[:, None]) @ camera.K[:2].T)
 
 
+def undistorted(camera: Camera, pixels: Float) -> Float:
+    """(n, 2) pixels (n, 2) of the frame as it came, where the pinhole camera with the same K sees the same.
+
+    Anything where the lens shows nothing in that place.
+    """
+    if not camera.is_distorted:
+        return pixels
+    import cv2  # here, as everything loads this module, and OpenCV takes long to load
+
+    # After its default of five iterations corners are half a pixel off.
+    until = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-9)
+    points = np.asarray(pixels, dtype=np.float64)[:, None]
+    return np.asarray(cv2.undistortPoints(points, camera.K, camera.dist, None, None, camera.K, until)[:, 0])
+
+
 def pixels_by_points(points_cam: Float, K: Float) -> Float:
     """(n, 2, 3) derivatives of the pixels of points (n, 3), camera frame, metres, by these; without distortion."""
     depth = points_cam[:, 2]

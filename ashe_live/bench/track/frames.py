@@ -13,6 +13,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import srgb_from_linear
+from ashe_live.core.transforms import undistorted
 
 # Linear reflectances, times the exposure that makes white paper nearly white.
 INK, PAPER, GROUND = 0.03, 0.72, 0.22
@@ -174,9 +175,7 @@ def _on_paper(
     u = corner_px[0] + (np.arange(size[0]) + 0.5) / rays - 0.5
     v = corner_px[1] + (np.arange(size[1]) + 0.5) / rays - 0.5
     if camera.is_distorted:
-        grid = np.stack(np.meshgrid(u, v), axis=2).reshape(-1, 1, 2)
-        criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 60, 1e-10)
-        ideal = cv2.undistortPoints(grid, camera.K, camera.dist, None, None, camera.K, criteria)
+        ideal = undistorted(camera, np.stack(np.meshgrid(u, v), axis=2).reshape(-1, 2))
         u_ideal, v_ideal = np.moveaxis(ideal.reshape(size[1], size[0], 2), 2, 0)
     else:
         u_ideal, v_ideal = u[None], v[:, None]

@@ -11,6 +11,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.light import Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import along_sides
+from ashe_live.core.transforms import undistorted
 from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.light.edges.shadow_edge import EdgePoints, edge_points
 from ashe_live.light.explanation.border_widths import border_widths
@@ -83,8 +84,7 @@ def _without_distortion(picture: Image, camera: Camera, marker: MarkerPose) -> t
     if not camera.is_distorted:
         return picture, camera, marker.corners_px
     straight = cv2.undistort(np.asarray(picture), camera.K, camera.dist)
-    corners_px = cv2.undistortPoints(marker.corners_px[:, None], camera.K, camera.dist, P=camera.K)[:, 0]
-    return np.asarray(straight, np.uint8), camera.without_distortion(), np.asarray(corners_px, np.float64)
+    return np.asarray(straight, np.uint8), camera.without_distortion(), undistorted(camera, marker.corners_px)
 
 
 def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predicted, view: View) -> float | None:

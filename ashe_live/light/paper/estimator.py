@@ -14,6 +14,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.light import Illumination, Light, LightEstimate, StageClock
 from ashe_live.core.square import square_corners
+from ashe_live.core.transforms import undistorted
 from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.light.paper import geometry, masks
 from ashe_live.light.paper.shadow_colour import shadow_rgb_ratio
@@ -116,6 +117,6 @@ def _to_light(
 ) -> Float | None:
     """(3,) towards the light, marker frame; None where the ray through the shadow's centre misses the ground."""
     centres_px = np.array([masks.centre_of_mass(object_mask), masks.centre_of_mass(shadow_mask)])
-    object_px, shadow_px = geometry.undistorted(camera, centres_px)
+    object_px, shadow_px = undistorted(camera, centres_px)
     scale = geometry.real_to_virtual_scale(cv2.contourArea(cube_hull.astype(np.float32)), float(object_mask.sum()))
     return geometry.to_light_from_centres(camera, marker.T_cam_marker, marker.side_m, object_px, shadow_px, scale)

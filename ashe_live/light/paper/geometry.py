@@ -6,7 +6,6 @@ that stands on the marker's centre, its edge the marker's side. Pixels are undis
 
 import math
 
-import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float
@@ -23,14 +22,6 @@ def cube_corners(side_m: float) -> Float:
 def cube_centre(side_m: float) -> Float:
     """AShE, virtual object: (3,) the cube's centre in the marker frame."""
     return np.array([0.0, 0.0, side_m / 2])
-
-
-def undistorted(camera: Camera, pixels: Float) -> Float:
-    """(n, 2) pixels of a camera with the same K and no distortion."""
-    if not camera.is_distorted:
-        return pixels
-    points = cv2.undistortPoints(pixels.reshape(-1, 1, 2), camera.K, camera.dist, P=camera.K)
-    return np.asarray(points, dtype=np.float64).reshape(-1, 2)
 
 
 def real_to_virtual_scale(virtual_area_px: float, object_area_px: float) -> float:

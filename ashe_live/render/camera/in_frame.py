@@ -5,10 +5,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
-from ashe_live.core.transforms import project
-
-# Of the iteration that inverts OpenCV's distortion: after its default of five rounds corners are half a pixel off.
-CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-9)
+from ashe_live.core.transforms import project, undistorted
 
 
 def project_distorted(camera: Camera, T_cam_marker: Float, points_marker: Float) -> Float:
@@ -29,8 +26,8 @@ def project_distorted(camera: Camera, T_cam_marker: Float, points_marker: Float)
 
 def tangents_of_pixels(camera: Camera, pixels: Float) -> Float:
     """(n, 2) x / z and y / z, camera frame, of the rays that pixels (n, 2) of the frame as it came see."""
-    tangents = cv2.undistortPoints(pixels[:, None], camera.K, camera.dist, None, None, None, CRITERIA)
-    return np.asarray(tangents[:, 0], np.float64)
+    straight = undistorted(camera, pixels)
+    return np.asarray(np.column_stack([straight, np.ones(len(straight))]) @ np.linalg.inv(camera.K)[:2].T)
 
 
 def rays_of_pixels(camera: Camera, T_cam_marker: Float, pixels: Float) -> Float:

@@ -1,10 +1,9 @@
-import cv2
 import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project
-from ashe_live.render.camera.in_frame import CRITERIA, project_distorted
+from ashe_live.render.camera.in_frame import project_distorted, tangents_of_pixels
 
 LENSES = [(-0.3, 0.1, 0.002, -0.001, 0.0), (-0.25, 0.0, 0.0, 0.0, 0.0), (0.25, 0.0, 0.0, 0.0, 0.0)]
 POSE = np.diag([1.0, -1.0, -1.0, 1.0])
@@ -19,7 +18,7 @@ def _camera(lens: tuple[float, ...]) -> Camera:
 def test_what_is_in_the_picture_is_where_the_lens_puts_it(lens: tuple[float, ...]) -> None:
     camera = _camera(lens)
     border = np.array([(x, y) for x in (-0.5, 239.5, 479.5) for y in (-0.5, 179.5, 359.5)])
-    tangents = cv2.undistortPoints(border[:, None], camera.K, camera.dist, None, None, None, CRITERIA)[:, 0]
+    tangents = tangents_of_pixels(camera, border)
     points = np.column_stack([tangents * (0.4, -0.4), np.zeros(len(tangents))])
     np.testing.assert_allclose(project_distorted(camera, POSE, points), border, atol=0.05)
 
