@@ -143,9 +143,9 @@ def project(camera: Camera, T_cam_marker: Float, points_marker: ArrayLike) -> Fl
 
 
 def undistorted(camera: Camera, pixels: Float) -> Float:
-    """(n, 2) pixels (n, 2) of the frame as it came, where the pinhole camera with the same K sees the same.
+    """(n, 2) where the pinhole camera with the same K sees what the frame as it came shows at pixels (n, 2).
 
-    Anything where the lens shows nothing in that place.
+    Any numbers for pixels whose distortion cannot be inverted.
     """
     if not camera.is_distorted:
         return pixels
