@@ -34,6 +34,8 @@ class ShownParts(Enum):
 
 WHOLE = ShownParts.WHOLE  # at first, and after a reset
 NEXT_PARTS = "B goes on"
+NOTHING_TO_COVER = "no marker in view that C could show or cover"
+MARKER_SHOWN = "the marker is shown: C covers it"
 
 
 class ViewOptions:
@@ -65,10 +67,7 @@ class ViewOptions:
             case Command.TOGGLE_HUD:
                 self.shows_hud = not self.shows_hud
             case Command.COVER_MARKER:
-                if tracked is None or tracked.marker is None:
-                    self._notice.say("no marker in view that C could show or cover", now_s)
-                else:
-                    self.wants_cover = not self.covers_marker(tracked)
+                self._show_or_cover(tracked, now_s)
             case Command.BEFORE_AFTER:
                 self._show_next_parts(now_s)
             case _:
@@ -88,6 +87,17 @@ class ViewOptions:
     def parts_line(self) -> str | None:
         """What is shown, as long as that is less than all: snapshots and recordings have no more either."""
         return None if self.parts is WHOLE else f"{self.parts.value}: {NEXT_PARTS}"
+
+    def _show_or_cover(self, tracked: TrackedFrame | None, now_s: float) -> None:
+        if tracked is None or tracked.marker is None:
+            self._notice.say(NOTHING_TO_COVER, now_s)
+            return
+        self.wants_cover = not self.covers_marker(tracked)
+        if self.wants_cover:
+            for said in (NOTHING_TO_COVER, MARKER_SHOWN):
+                self._notice.withdraw(said)
+        else:  # the picture does not tell where the ground over the marker is still being made
+            self._notice.say(MARKER_SHOWN, now_s)
 
     def _show_next_parts(self, now_s: float) -> None:
         in_order = list(ShownParts)

@@ -68,3 +68,15 @@ def test_a_sheet_is_covered_and_a_body_shown_until_somebody_chooses(view, fakes)
     assert not view.vacates_body(cube), "the body is still seen there"
     view.handle(Command.COVER_MARKER, cube, 0.0)
     assert not view.covers_marker(sheet)
+
+
+def test_it_is_said_that_the_marker_is_shown_as_the_cover_may_not_have_been_there_yet(view, fakes) -> None:
+    sheet, away = fakes.tracked(), fakes.tracked(has_marker=False)
+    for tracked, said in ((away, "no marker in view"), (sheet, "the marker is shown: C covers it"), (sheet, None)):
+        view.handle(Command.COVER_MARKER, tracked, 0.0)
+        shown = view._notice.shown(0.1)
+        assert shown is None if said is None else str(shown).startswith(said)
+    view.handle(Command.COVER_MARKER, away, 0.0)
+    view.wants_cover = False
+    view.handle(Command.COVER_MARKER, sheet, 0.0)
+    assert view._notice.shown(0.1) is None, "there is a marker by now"

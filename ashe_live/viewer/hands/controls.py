@@ -119,7 +119,7 @@ BINDINGS = (
         gesture=Gesture.DOUBLE_CLICK,
     ),
     Binding((CTRL + "Z",), Command.UNDO, "Ctrl+Z", "undo what was done by hand"),
-    Binding((CTRL + "V",), Command.OPEN, "drop a file, Ctrl+V", "open a model or a clip", gesture=Gesture.DROP),
+    Binding((CTRL + "V",), Command.OPEN, "drop a file, Ctrl+V", "open a model, clip or photo", gesture=Gesture.DROP),
     Binding(("M",), Command.FOLLOW_OTHER, "M", "follow another marker in view"),
     Binding(("G",), Command.FIELD_OF_VIEW, "G", "the camera's field of view"),
     Binding(("N",), Command.NEXT_CAMERA, "N", "another camera"),

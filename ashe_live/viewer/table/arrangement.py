@@ -172,11 +172,15 @@ class Arrangement:
         return self._hand.placement.shift_m != self._first_of(self._stands[self.in_hand]).shift_m
 
     @property
+    def is_at_first(self) -> bool:
+        """Whether the model in the hand stands as models stand at first."""
+        return self._hand.placement in (UNMOVED, self._first_of(self._stands[self.in_hand]))
+
+    @property
     def is_as_left(self) -> bool:
         """Whether the model in the hand stands as a person left it before, and not as models stand at first."""
         stand = self._as_it_is()
-        is_at_first = stand.placement in (UNMOVED, self._first_of(stand))
-        return not is_at_first and stand.placement == self._left.of(stand, self._first)
+        return not self.is_at_first and stand.placement == self._left.of(stand, self._first)
 
     def follow_shelf(self) -> bool:
         """Takes up the shelf's model where the former one stood and as large; returns whether it is another one."""

@@ -141,7 +141,7 @@ class Table:
             case Command.UNDO:
                 self._say(self._undo.undo(self.hand) or "nothing was done by hand that could be undone", now_s)
             case Command.RESET:
-                changed = [f"{self.model_name} stands as at first"] if self.arrangement.is_as_left else []
+                changed = [] if self.arrangement.is_at_first else [f"{self.model_name} stands as at first"]
                 if self.hand.light is not None:  # of which the last line may still speak
                     changed.append("the light is no longer by hand")
                 if changed:

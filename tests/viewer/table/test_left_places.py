@@ -85,6 +85,15 @@ def test_light_and_place_that_are_given_back_together_are_both_spoken_of(run, fa
     assert "no longer by hand" in str(session.notice.shown(1.0))
 
 
+def test_what_was_moved_in_this_run_is_spoken_of_as_well(run, fakes) -> None:
+    session = run()
+    session.take(fakes.tracked(), 0.0)
+    session.handle(Request(Command.MOVE_LIGHT, (1, 0)), 0.0)
+    session.handle(Request(Command.TURN_MODEL, 1), 1.0)
+    session.handle(Request(Command.RESET), 2.0)
+    assert "mug stands as at first and the light is no longer by hand: Ctrl+Z" in str(session.notice.shown(2.0))
+
+
 def test_a_run_that_moves_nothing_changes_nothing(run, tmp_path: Path) -> None:
     left(run(), UNMOVED)
     assert not (tmp_path / "models.json").exists()
