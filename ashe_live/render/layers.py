@@ -67,10 +67,11 @@ class LayerPasses:
         return former is not None
 
     def follow_sheet(self, scene: Scene, waits: bool) -> MarkerCover | None:
-        """The cover of the marker's sheet, once there is one. `waits`: as in `MarkerCover.follow`."""
+        """The cover of the marker's sheet, once there is one. `waits`: as in `MarkerCover.follow`.
+
+        One that is not shown for a while is kept, so that it is there at once when it is wanted again.
+        """
         if not scene.shows_cover or scene.tracked is None:
-            if not self._is_beside:
-                self.cover.forget()
             return None
         follow = self.cover.follow_beside if self._is_beside else self.cover.follow
         follow(scene.tracked, scene.lit_in_video or scene.illumination, waits)

@@ -186,6 +186,17 @@ def test_cover_is_steady_at_rest(make_renderer, stage) -> None:
     assert max(changes) <= 0.5
 
 
+def test_a_cover_that_was_not_shown_for_a_while_is_there_at_once_and_of_todays_exposure(make_renderer, stage) -> None:
+    """As when C, or B, is pressed twice: no picture shows the sheet meanwhile."""
+    renderer = make_renderer(FAST.render)
+    renderer.render(Scene(_view(stage), _aside(stage), covers_marker=True))
+    renderer.render(Scene(_view(stage, index=1), _aside(stage), covers_marker=False))
+    tracked = _view(stage, gain=0.7, index=2)
+    renderer.render(Scene(tracked, _aside(stage), covers_marker=True), waits=False)
+    bare = _view(stage, has_sheet=False, gain=0.7)
+    assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
+
+
 def test_cover_follows_the_exposure_in_the_frame_that_it_changes_in(make_renderer, stage) -> None:
     renderer = make_renderer(FAST.render)
     renderer.render(Scene(_view(stage), _aside(stage), covers_marker=True))
