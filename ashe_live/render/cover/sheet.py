@@ -16,7 +16,8 @@ MOST_HALF_SIDES = 2.3  # from the marker's middle; the corners of an A4 page wit
 PAGE_HALF_SIDES = 1.0  # what reaches farther is a page, whose unseen end may be anywhere
 RING_SIDES = (0.55, 0.6)  # distances from the marker's middle between which there is paper
 SAME_LOG = 0.35  # largest difference of paper from that ring, in logarithms of linear RGB
-# Largest difference between the mean logarithms of opposite sides' paper, along x and along y, in even light.
+# Largest difference between the sums of opposite sides' logarithms of light, along x and along y, of paper whose light
+# changes evenly.
 UNEVEN_LOG = 0.05
 CONVEX = 0.85  # least share of its convex hull that a sheet fills
 # If ground of the colour of paper touches the sheet, each side is sought by itself, along lines that begin within
@@ -52,7 +53,7 @@ def sheet_of(lit: Float32, is_ground: Mask, side_px: float) -> SheetMasks:
     away = np.maximum(np.abs(x), np.abs(y))
     least = away < LEAST_HALF_SIDES
     ring = (away > RING_SIDES[0]) & (away < RING_SIDES[1])
-    unlike = np.abs(_from_paper(lit, x, y)).max(axis=2)
+    unlike = np.abs(_from_paper(lit, ring, x, y)).max(axis=2)
     alike = (unlike < SAME_LOG) & (away < MOST_HALF_SIDES) | least
     opened = cv2.morphologyEx(alike.astype(np.uint8), cv2.MORPH_OPEN, np.ones((2, 2)))
     paper_there = _joined(cv2.morphologyEx(opened, cv2.MORPH_CLOSE, _disc(LINE_SIDES * side_px)) > 0, least)
@@ -74,23 +75,19 @@ def _places(size: int, side_px: float) -> tuple[Float32, Float32]:
     return x, y
 
 
-def _from_paper(lit: Float32, x: Float32, y: Float32) -> Float32:
-    """(n, n, 3) logarithm of light over that of the paper beside the square, whose change from side to side goes on.
+def _from_paper(lit: Float32, ring: Mask, x: Float32, y: Float32) -> Float32:
+    """(n, n, 3) logarithm of light over that of the paper in the ring (n, n), whose change from side to side goes on.
 
     So the fall of a lamp's light, by which ground is unlike paper farther away, ends no sheet.
     """
     logs = np.log(np.maximum(lit, 1e-3))
     near, far = RING_SIDES
-    right, left, above, below = (
-        np.median(logs[(near < ahead) & (ahead < far) & (np.abs(aside) < far)], axis=0)
-        for ahead, aside in ((x, y), (-x, y), (y, x), (-y, x))
-    )
-    # What changes evenly has the same mean along both axes; a shadow on one side has not.
+    right, left, above, below = (np.median(logs[ring & (outwards > near)], axis=0) for outwards in (x, -x, y, -y))
+    # What changes evenly has the same sum along both axes; a shadow on one side does not.
     if np.abs(right + left - above - below).max() < UNEVEN_LOG:
         across, up = (np.clip(z, -1, 1)[..., None] / (near + far) for z in (x, y))
         logs = logs - across * (right - left) - up * (above - below)
-    away = np.maximum(np.abs(x), np.abs(y))
-    return np.asarray(logs - np.median(logs[(near < away) & (away < far)], axis=0), np.float32)
+    return np.asarray(logs - np.median(logs[ring], axis=0), np.float32)
 
 
 def _with_own_shadow(sheet: Mask, brightness: Float32, is_ground: Mask, side_px: float) -> Mask:
